@@ -34,11 +34,12 @@ void assign(std::vector<T>& to, const A& values)
 /// Functions that read and write an array of the state: numbers, vectors or masks by node; copies.
 auto get(std::vector<double> MortarState::* member)
 {
-  return [member](const Contact& c)
-  {
-    const std::vector<double>& values = c.nodal_state().*member;
-    return values.size() == c.geometry().num_nodes() ? array(values) : by_node(c, values);
-  };
+  return [member](const Contact& c) { return array(c.nodal_state().*member); };
+}
+
+auto get_vectors(std::vector<double> MortarState::* member)
+{
+  return [member](const Contact& c) { return by_node(c, c.nodal_state().*member); };
 }
 
 auto get(std::vector<std::int8_t> MortarState::* member)
@@ -61,11 +62,12 @@ void bind_state(nb::class_<Contact, MultiplierContact>& c)
   c.def("state", &Contact::state, nb::keep_alive<0, 1>(), "What an increment starts from, views")
       .def_prop_rw("active", get(&MortarState::active), set(&MortarState::active), "In contact, (n)")
       .def_prop_rw("sliding", get(&MortarState::sliding), set(&MortarState::sliding), "Of those, slipping, (n)")
-      .def_prop_rw("direction", get(&MortarState::direction), set(&MortarState::direction))
+      .def_prop_rw("direction", get_vectors(&MortarState::direction), set(&MortarState::direction))
       .def_prop_rw("multiplier", get(&MortarState::multiplier), set(&MortarState::multiplier), "(n) [F/L^2]")
-      .def_prop_rw("friction_traction", get(&MortarState::friction_traction), set(&MortarState::friction_traction))
-      .def_prop_rw("traction_n", get(&MortarState::traction_n), set(&MortarState::traction_n))
-      .def_prop_rw("total_slip", get(&MortarState::total_slip), set(&MortarState::total_slip))
+      .def_prop_rw("friction_traction", get_vectors(&MortarState::friction_traction),
+                   set(&MortarState::friction_traction))
+      .def_prop_rw("traction_n", get_vectors(&MortarState::traction_n), set(&MortarState::traction_n))
+      .def_prop_rw("total_slip", get_vectors(&MortarState::total_slip), set(&MortarState::total_slip))
       .def_prop_rw(
           "opening",
           [](const Contact& c) { return c.nodal_state().begun ? array(c.nodal_state().opening) : nb::none(); },

@@ -26,6 +26,8 @@ foot = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[1], 0.0))
 bcs = [fem.dirichletbc(np.zeros(2), foot, V)]
 law = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
 pair = di.ContactPair(m.facet_tags, m.tags["slave_surface"], m.tags["master_surface"])
+if stage == "contact":  # is called in C++ otherwise
+    newton.contact_in_cpp = _cpp.solve.PythonContact
 contact = [getattr(di, method)(pair)]
 u, load = fem.Function(V), di.BodyForce((0.0, -1.0))
 if kind == "static":

@@ -10,6 +10,7 @@
 #include "JoinedNodes.h"
 #include "RigidGeometry.h"
 #include "mortar_messages.h"
+#include "node_edges.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,8 +24,6 @@ namespace
 constexpr double turned = 1e-6;
 /// Of the bodies' size: a gap of a linearised problem, which is solved to a few digits.
 constexpr double penetrates = 1e-6;
-/// Between two normals whose edge is a direction of its own [rad].
-constexpr double least_angle = 0.1;
 /// Of positions.
 constexpr double position_round_off = 4 * std::numeric_limits<double>::epsilon();
 
@@ -55,12 +54,6 @@ void apply(const double* block, const double* vector, int gdim, double* out)
 {
   for (int a = 0; a < gdim; ++a)
     out[a] = dot(&block[a * gdim], vector, gdim);
-}
-
-void cross(const double* a, const double* b, double* out)
-{
-  for (int c = 0; c < 3; ++c)
-    out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
 }
 
 bool any(MPI_Comm comm, std::span<const double> values)
@@ -160,47 +153,10 @@ std::vector<std::int8_t> MortarContact::loaded() const
   return out;
 }
 
-/// Projectors on the directions along the surface that other contacts of the same nodes hold; empty without any.
-std::vector<double> MortarContact::edge_locks() const
-{
-  if (edges.empty() || !has_friction())
-    return {};
-  const int g = _geometry->gdim();
-  const SlaveNodes& n = _geometry->now();
-  std::vector<double> out(_geometry->num_nodes() * g * g, 0.0);
-  for (const Edge& e : edges)
-    for (std::size_t k = 0; k < e.mine.size(); ++k)
-    {
-      const std::size_t i = e.mine[k], j = e.theirs[k];
-      const SlaveNodes& theirs = e.contact->_geometry->now();
-      if (!_state.active[i] || !_usable[i] || !e.contact->_state.active[j] || !theirs.participates[j])
-        continue;
-      // Gram-Schmidt: less the node's own normal, and what others hold.
-      const double *own = &n.normal[i * g], *other = &theirs.normal[j * g];
-      double* block = &out[i * g * g];
-      double part[3], held[3];
-      const double along = dot(own, other, g);
-      for (int a = 0; a < g; ++a)
-        part[a] = other[a] - along * own[a];
-      apply(block, part, g, held);
-      for (int a = 0; a < g; ++a)
-        part[a] -= held[a];
-      const double length = std::sqrt(dot(part, part, g));
-      for (int a = 0; a < g && length > least_angle; ++a)
-        for (int b = 0; b < g; ++b)
-          block[a * g + b] += part[a] / length * (part[b] / length);
-    }
-  const std::vector<std::int8_t>& fixed = _geometry->fixed();
-  for (std::size_t i = 0; i < _geometry->num_nodes(); ++i) // there prescribed components decide
-    if (std::any_of(&fixed[i * g], &fixed[i * g] + g, [](std::int8_t f) { return f; }))
-      std::fill_n(&out[i * g * g], g * g, 0.0);
-  return out;
-}
-
 /// Projectors on directions without slip: locked ones, and those that other contacts hold.
 std::vector<double> MortarContact::still() const
 {
-  std::vector<double> out = edge_locks();
+  std::vector<double> out = held_by_others(*this);
   if (!has_friction())
     return out;
   if (out.empty())
@@ -208,34 +164,6 @@ std::vector<double> MortarContact::still() const
   for (std::size_t k = 0; k < out.size(); ++k)
     out[k] = _coulomb.locked()[k] + out[k];
   return out;
-}
-
-/// At nodes with two normals in space one tangent lies along the edge between them: what sticks or slips there is told
-/// apart from what the other normal holds.
-void MortarContact::align_frames()
-{
-  if (_geometry->gdim() == 2 || !has_friction())
-    return;
-  for (const Edge& e : edges)
-    for (std::size_t k = 0; k < e.mine.size(); ++k)
-    {
-      const std::size_t i = e.mine[k];
-      const double* normal = &_geometry->now().normal[3 * i];
-      const std::int8_t* fixed = &_geometry->fixed()[3 * i];
-      double edge[3], across[3];
-      cross(normal, &e.contact->_geometry->now().normal[3 * std::size_t(e.theirs[k])], edge);
-      const double length = std::sqrt(dot(edge, edge, 3));
-      if (!(length > least_angle) || fixed[0] || fixed[1] || fixed[2])
-        continue;
-      for (double& component : edge)
-        component /= length;
-      cross(edge, normal, across);
-      for (int c = 0; c < 3; ++c)
-      {
-        _frames.frames[(3 * i + c) * 3 + (_frames.place[i] + 1) % 3] = edge[c];
-        _frames.frames[(3 * i + c) * 3 + (_frames.place[i] + 2) % 3] = across[c];
-      }
-    }
 }
 
 // --- load steps ------------------------------------------------------------------------------------------------------
@@ -370,7 +298,7 @@ void MortarContact::update_gap(std::span<const double> u)
   _geometry->update_gap(u);
   const SlaveNodes& n = _geometry->now();
   _frames = frames_at(_geometry->gdim(), n.normal, _geometry->fixed());
-  align_frames();
+  align_frames(*this, _frames);
   for (std::size_t i = 0; i < _usable.size(); ++i)
     _usable[i] = n.participates[i] && _frames.place[i] >= 0 && n.carrier[i];
   std::fill(_redundant.begin(), _redundant.end(), std::int8_t(0));
@@ -612,7 +540,7 @@ std::optional<std::pair<Mat, std::vector<double>>> MortarContact::friction_sprin
 {
   if (!has_friction())
     return std::nullopt;
-  _coulomb.set_edges(edge_locks());
+  _coulomb.set_edges(held_by_others(*this));
   const Present now = present();
   const CoulombFriction::Springs springs =
       _coulomb.update_springs(now.nodes, linearisation().nodes, _nodal_stiffness, _facing_stiffness);

@@ -169,9 +169,7 @@ private:
   std::vector<double> coefficients() const;
   std::vector<std::int8_t> touching() const;
   std::vector<std::int8_t> loaded() const;
-  std::vector<double> edge_locks() const;
   std::vector<double> still() const;
-  void align_frames();
   void tell_partners();
   void set(std::span<const double> multiplier, std::span<const double> traction);
   std::vector<double> tilt() const;
