@@ -13,12 +13,12 @@ from dolfinx_impact.verify import contact_static
 from dolfinx_impact.verify.report import Report
 
 
-def test_multipliers_that_are_never_augmented(monkeypatch):
+def test_multipliers_that_are_never_augmented(monkeypatch, contacts_in_python):
     monkeypatch.setattr(QuadraturePenalty, "augment", lambda self: False)
     failed(solutions(), ["static_augmented"], ["static_penalty", "static_lagrange"])
 
 
-def test_one_round_of_augmentation_too_few(monkeypatch):
+def test_one_round_of_augmentation_too_few(monkeypatch, contacts_in_python):
     right, seen = QuadraturePenalty.augment, []
 
     def wrong(self):
