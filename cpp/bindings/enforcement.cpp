@@ -67,7 +67,7 @@ void bind_static_contact(nb::module_& m)
             const std::size_t num = modes.num_modes();
             return take(c.rigid_body_products(modes), {num, num});
           },
-          nb::arg("modes"), "Products of the constraints' work on rigid body modes, of this rank. Collective")
+          nb::arg("modes"))
       .def("close_nearest", &StaticContact::close_nearest)
       .def("closing_forces", [](const StaticContact& c) { return take(c.closing_forces()); })
       .def_prop_ro(
@@ -93,6 +93,7 @@ void bind_static_contact(nb::module_& m)
 void dolfinx_impact::bindings::enforcement(nb::module_& m)
 {
   bind_static_contact(m);
+  nb::class_<MultiplierContact, StaticContact>(m, "MultiplierContact", "One whose normal tractions are unknowns");
   nb::class_<ContactTotals>(m, "ContactTotals", "Totals of a contact over all ranks; force and moment have 3 entries")
       .def(nb::init<>())
       .def_rw("known", &ContactTotals::known)

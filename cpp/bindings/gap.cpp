@@ -2,11 +2,8 @@
 #include "arrays.h"
 #include "dolfinx_impact/gap/InitialPenetration.h"
 #include "dolfinx_impact/gap/crossing.h"
-#include "dolfinx_impact/gap/nearly_touching.h"
 #include "dolfinx_impact/gap/obstacle_side.h"
-#include "dolfinx_impact/operators/body_size.h"
 #include <caster_mpi.h>
-#include <optional>
 
 using namespace dolfinx_impact::gap;
 using dolfinx_impact::surface::Facets;
@@ -51,30 +48,12 @@ void bind_crossing(nb::module_& m)
       },
       nb::arg("comm"), nb::arg("suspects"), nb::arg("sizes"), nb::arg("gap_at"),
       "Marks of points that have passed through a deformable master");
-  m.def(
-      "describe_crossing",
-      [](const std::string& name, dolfinx_wrappers::MPICommWrapper comm, int gdim, Values x, Marks passed)
-      {
-        check_points(x.size(), passed.size() * gdim, "x");
-        return describe_crossing(name, comm.get(), gdim, view(x), {passed.data(), passed.size()});
-      },
-      nb::arg("name"), nb::arg("comm"), nb::arg("gdim"), nb::arg("x"), nb::arg("passed"));
 }
 } // namespace
 
 void dolfinx_impact::bindings::gap(nb::module_& m)
 {
   nb::class_<InitialPenetration>(m, "InitialPenetration", "Penetrations in the reference configuration")
-      .def(
-          "__init__",
-          [](InitialPenetration* self, std::string name, const FunctionSpace& V, const Facets& slave,
-             const Facets* master, Values x, Values gap, bool remove)
-          {
-            check_points(x.size(), gap.size() * slave.gdim, "x");
-            new (self) InitialPenetration(std::move(name), V, slave, master, view(x), view(gap), remove);
-          },
-          nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master").none(), nb::arg("x"), nb::arg("gap"),
-          nb::arg("remove"))
       .def_prop_ro("num_points", &InitialPenetration::num_points)
       .def_prop_ro("depth", &InitialPenetration::depth)
       .def_prop_ro("where", &InitialPenetration::where)
@@ -84,14 +63,5 @@ void dolfinx_impact::bindings::gap(nb::module_& m)
       .def_prop_ro("warning", &InitialPenetration::warning);
   m.def("check_side", &check_side, nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("obstacle"),
         "Refuse a rigid obstacle whose surface does not face the slave. Collective");
-  m.def(
-      "nearly_touching",
-      [](dolfinx_wrappers::MPICommWrapper comm, Values gap, Values size)
-      {
-        check_points(size.size(), gap.size(), "size");
-        return nearly_touching(comm.get(), view(gap), view(size));
-      },
-      nb::arg("comm"), nb::arg("gap"), nb::arg("size"), "Gap below which points are to be closed, or None. Collective");
-  m.def("body_size", &operators::body_size, nb::arg("mesh"), "Diagonal of the box around all bodies. Collective");
   bind_crossing(m);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/node_to_surface/KinematicStep.h"
-#include "dolfinx_impact/enforcement/node_to_surface/PenaltyContact.h"
+#include "dolfinx_impact/enforcement/node_to_surface/NodePenalty.h"
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -51,7 +51,7 @@ nb::dict results(const NodeToSurface& self)
   out["pressure"] = copy(r.pressure, {n});
   out["traction"] = copy(r.traction, {n, gdim});
   out["slip"] = copy(r.slip, {n, gdim});
-  const auto* springs = dynamic_cast<const PenaltyContact*>(&self);
+  const auto* springs = dynamic_cast<const NodePenalty*>(&self);
   out["stiffness"] = springs ? copy(springs->stiffness(), {n}) : take(std::vector<double>(n, 0.0));
   return out;
 }
@@ -84,7 +84,7 @@ constexpr std::array<std::pair<const char*, double Spring::*>, 6> spring_members
      {"spring_tangential_surplus", &Spring::tangential_surplus},
      {"spring_offset", &Spring::offset}}};
 
-nb::dict penalty_history(const PenaltyContact& self)
+nb::dict penalty_history(const NodePenalty& self)
 {
   nb::dict out = history(self);
   for (const auto& [name, member] : spring_members)
@@ -120,7 +120,7 @@ void set_history(NodeToSurface& self, const nb::dict& dict)
                     entries<std::int8_t>(dict, "closed"), entries<std::int64_t>(dict, "facet")});
 }
 
-void set_penalty_history(PenaltyContact& self, const nb::dict& dict)
+void set_penalty_history(NodePenalty& self, const nb::dict& dict)
 {
   set_history(self, dict);
   std::vector<Spring> springs(self.springs().size());
@@ -170,7 +170,7 @@ nb::dict energies(const ContactEnergy& e)
 }
 
 /// Numbers of nodes are global.
-nb::dict springs(PenaltyContact& self, const Halo& halo, const Values& u)
+nb::dict springs(NodePenalty& self, const Halo& halo, const Values& u)
 {
   const std::size_t gdim = self.candidates().gdim();
   NodalSprings s = self.springs_at(over(halo, u, int(gdim), "u"));
@@ -191,11 +191,11 @@ nb::dict springs(PenaltyContact& self, const Halo& halo, const Values& u)
 }
 
 template <typename Master>
-void construct_penalty(PenaltyContact* self, const FunctionSpace& V, const Facets& slave, const Master& master,
+void construct_penalty(NodePenalty* self, const FunctionSpace& V, const Facets& slave, const Master& master,
                        double friction, double penalty, double kappa, bool balanced, double search_distance,
                        bool axisymmetric)
 {
-  new (self) PenaltyContact(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, balanced});
+  new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, balanced});
 }
 
 template <typename Master>
@@ -304,8 +304,8 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Local number (-1: none) of the slave node that went through the master fastest, facets per step")
       .def("counters", &counters);
 
-  const PenaltyContactOptions p;
-  nb::class_<PenaltyContact, NodeToSurface>(m, "PenaltyContact", "Springs between slave nodes and the master")
+  const NodePenaltyOptions p;
+  nb::class_<NodePenalty, NodeToSurface>(m, "NodePenalty", "Springs between slave nodes and the master")
       .def("__init__", &construct_penalty<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
            nb::arg("balanced") = p.balanced, nb::arg("search_distance") = p.search_distance,
@@ -316,8 +316,8 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
            nb::arg("axisymmetric") = p.axisymmetric)
       .def(
           "add_forces",
-          [](PenaltyContact& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt,
-             MutableValues f, int times)
+          [](NodePenalty& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt, MutableValues f,
+             int times)
           {
             const int gdim = self.candidates().gdim();
             const NodalState now = nodal_state(halo, gdim, u, du, inverse_mass, dt);
@@ -332,7 +332,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
            "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
       .def(
           "set_nodal_compliances",
-          [](PenaltyContact& self, Values slave, Values master)
+          [](NodePenalty& self, Values slave, Values master)
           {
             self.set_nodal_compliances({slave.data(), slave.data() + slave.size()},
                                        {master.data(), master.data() + master.size()});
@@ -341,7 +341,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Reciprocals of the nodal stiffness of both surfaces by owned node, zero where none is known; before "
           "`number`")
       .def_prop_ro(
-          "other", [](PenaltyContact& self) { return self.other(); }, nb::rv_policy::reference_internal)
+          "other", [](NodePenalty& self) { return self.other(); }, nb::rv_policy::reference_internal)
       .def("history", &penalty_history)
       .def("set_history", &set_penalty_history, nb::arg("history"));
 

@@ -418,7 +418,6 @@ void dolfinx_impact::bindings::solve(nb::module_& m)
 {
   bind_eigenvalues(m);
   bind_rigid_body_modes(m);
-  nb::class_<MultiplierContact, StaticContact>(m, "MultiplierContact", "One whose normal tractions are unknowns");
   nb::class_<PythonContact, MultiplierContact>(m, "PythonContact", "A contact written in Python")
       .def(nb::init<nb::object>(), nb::arg("contact"));
   bind_increment(m);

@@ -9,7 +9,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/la/Vector.h>
 #include <dolfinx/mesh/generation.h>
-#include <dolfinx_impact/enforcement/node_to_surface/PenaltyContact.h>
+#include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
 #include <dolfinx_impact/integrators/CentralDifference.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/lump.h>
@@ -78,8 +78,8 @@ bool run()
                                                     return marked;
                                                   });
   const gap::Rigid wall{.kind = gap::Rigid::Kind::plane, .gdim = 2, .point = {0, 0, 0}, .direction = {1, 0, 0}};
-  auto contact = std::make_shared<enforcement::PenaltyContact>(*V, surface::make_surface(*V, end), wall,
-                                                               enforcement::PenaltyContactOptions{});
+  auto contact = std::make_shared<enforcement::NodePenalty>(*V, surface::make_surface(*V, end), wall,
+                                                            enforcement::NodePenaltyOptions{});
   bar.add_contact(contact, {-1, -1, -1});
 
   const double c = std::sqrt(E / density), back = 2.0 * length / c;

@@ -40,11 +40,9 @@ operators.Energy.value = lambda self: (self._update(), self._cpp_object.value())
 # Every rank reports its own part of the total contact force.
 LOCAL_TOTAL = """
 from dolfinx_impact.contact.output import ContactOutput
-right = ContactOutput.update_totals
 def total(self):
-    right(self)
-    self.force = (self.weight[:, None] * self.traction)[self.status > 0].sum(axis=0)
-ContactOutput.update_totals = total
+    return (self.weight[:, None] * self.traction)[self.status > 0].sum(axis=0)
+ContactOutput.force = property(total, ContactOutput.force.fset)
 """
 
 

@@ -2,7 +2,7 @@
 """Results of a contact: totals over the ranks, and fields."""
 
 import functools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from dolfinx import fem
@@ -13,7 +13,6 @@ from petsc4py import PETSc
 from .. import _cpp
 from ..common.collective import guard
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
-from .initial_penetration import InitialPenetration
 from .pair import ContactPair
 from .protocol import ContactProblem
 
@@ -29,11 +28,9 @@ class ContactOutput:
     """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
 
     A derived class has the results points, gap, normal, pressure, traction, slip, status and weight as attributes or
-    properties, the attributes `comm` and `initial` (InitialPenetration; None in explicit problems), and the methods
-    covered() and contact_forces(). A contact whose points are nodes has `nodes`; others override at_nodes().
+    properties, the attributes `comm` and `initial` (InitialPenetration of C++; None in explicit problems), and the
+    methods covered() and contact_forces(). A contact whose points are nodes has `nodes`; others override at_nodes().
     """
-
-    fault = ""  #: why a converged state is not a solution; empty if it is one
 
     if TYPE_CHECKING:  # members of derived classes, attributes or properties
         comm: MPI.Comm
@@ -41,7 +38,7 @@ class ContactOutput:
         gdim: int
 
         @property
-        def initial(self) -> InitialPenetration | None: ...
+        def initial(self) -> Any: ...
         @property
         def nodes(self) -> IntArray: ...
         @property
@@ -62,6 +59,11 @@ class ContactOutput:
         if self.force is not None:  # a total: the same on all ranks, and known without communication
             known = f"force on the slave ({', '.join(f'{value:.6g}' for value in self.force)})"
         return f"{type(self).__name__}({self.pair!r}, {len(self.weight)} points on this rank, {known})"
+
+    @property
+    def fault(self) -> str:
+        """Why a converged state is not a solution; empty if it is one."""
+        return ""
 
     @functools.cached_property
     def _totals(self) -> _cpp.enforcement.ContactTotals:
@@ -114,7 +116,7 @@ class ContactOutput:
         """
         if self.initial is None:
             raise AttributeError(f"{type(self).__name__} has no initial penetration: it is one of static problems")
-        return self.initial.depth
+        return float(self.initial.depth)
 
     @property
     def shear_traction(self) -> FloatArray:

@@ -105,14 +105,18 @@ class StaticContact(Protocol):
     Attributes:
         pair: surfaces and friction coefficient.
         has_multipliers: whether it is a MultiplierContact.
-        displacement: displacement of a rigid master in the present increment, (3) [L].
-        fault: why a converged state is not a solution; empty if it is one.
     """
 
     pair: ContactPair
     has_multipliers: bool
-    displacement: FloatArray
-    fault: str
+
+    @property
+    def displacement(self) -> FloatArray:
+        """Displacement of a rigid master in the present increment, (3) [L]."""
+
+    @property
+    def fault(self) -> str:
+        """Why a converged state is not a solution; empty if it is one."""
 
     @property
     def gap(self) -> FloatArray:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: MIT
 """What static contacts in C++ have in common, as Python sees it."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from petsc4py import PETSc
 
@@ -19,12 +17,10 @@ class StaticContactView(ContactOutput):
 
     _cpp_object: _cpp.enforcement.StaticContact
 
-    if not TYPE_CHECKING:
-
-        @property
-        def fault(self) -> str:
-            """Why a converged state is not a solution; empty if it is one."""
-            return self._cpp_object.fault
+    @property
+    def fault(self) -> str:
+        """Why a converged state is not a solution; empty if it is one."""
+        return str(self._cpp_object.fault)
 
     # --- load steps --------------------------------------------------------------------------------------------------
 
@@ -182,13 +178,15 @@ class StaticContactView(ContactOutput):
         return str(self._cpp_object.mesh_advice())
 
     def rigid_body_products(self, modes: _cpp.solve.RigidBodyModes) -> FloatArray:
-        """Active constraints applied to the rigid body modes: their products, summed over this rank's rows,
-        (num_modes, num_modes). Collective.
+        """Active constraints applied to the rigid body modes: their products. Collective.
 
         Args:
             modes: rigid body modes of the bodies.
+
+        Returns:
+            Sums over this rank's rows, (modes.num_modes, modes.num_modes).
         """
-        return self._cpp_object.rigid_body_products(modes)
+        return np.asarray(self._cpp_object.rigid_body_products(modes))
 
     def close_nearest(self) -> bool:
         """Activate the points nearest to the master if the bodies nearly touch. Collective.

@@ -66,7 +66,7 @@ class Stored:
     file: checkpoint.Reader
     names: dict[str, list[str]]
     tables: dict[str, FloatArray]
-    sides: list[_cpp.nodal.PenaltyContact | _cpp.nodal.KinematicContact]
+    sides: list[_cpp.nodal.NodePenalty | _cpp.nodal.KinematicContact]
     histories: list[FloatArray]
     sums: list[FloatArray]
     results: list[FloatArray]

@@ -96,7 +96,7 @@ class SpringStart:
         """Force of new springs in a configuration along the normal, of all ranks [F]. Collective."""
         problem, contact = self._problem, self._contact
         masses = problem.mass.array[: problem.num_owned : self._gdim]
-        twin, halo, values = searched(contact, u, _cpp.nodal.PenaltyContact, masses, **contact.parameters)
+        twin, halo, values = searched(contact, u, _cpp.nodal.NodePenalty, masses, **contact.parameters)
         zero = np.zeros_like(values)
         twin.add_forces(halo, values, zero, np.ones_like(values), problem.contact_step, zero.copy())
         force = self._comm.allreduce(np.array(twin.force)[: self._gdim], MPI.SUM)

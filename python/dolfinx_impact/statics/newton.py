@@ -64,7 +64,7 @@ def equilibrium_of(problem: EquilibriumProblem) -> Any:
     )
 
 
-def contact_in_cpp(contact: Any) -> _cpp.solve.StaticContact:
+def contact_in_cpp(contact: Any) -> _cpp.enforcement.StaticContact:
     """A contact as Newton's method in C++ sees it. What derived classes may have replaced is called through Python.
 
     Args:

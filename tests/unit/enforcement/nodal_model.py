@@ -21,7 +21,7 @@ class Nodal:
         self.V, self.dim, self.dt, self.comm = V, V.mesh.geometry.dim, dt, V.mesh.comm
         self.map = V.dofmap.index_map
         self.num = self.map.size_local
-        law = _cpp.nodal.KinematicContact if kinematic else _cpp.nodal.PenaltyContact
+        law = _cpp.nodal.KinematicContact if kinematic else _cpp.nodal.NodePenalty
         self.kinematic, self.contact = kinematic, law(V._cpp_object, slave, master, **options)
         x = V.tabulate_dof_coordinates()[: self.num]
         self.x = x[:, : self.dim].copy()

@@ -4,7 +4,6 @@
 #include "../../operators/nodal_sums.h"
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace dolfinx_impact::enforcement
 {
@@ -32,7 +31,7 @@ Uzawa::Uzawa(std::shared_ptr<const dolfinx::common::IndexMap> map, const surface
 void Uzawa::begin()
 {
   _rounds = 0;
-  _penetration = {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  _penetration.fill(std::numeric_limits<double>::infinity());
 }
 
 std::optional<std::vector<double>> Uzawa::augment(std::span<const double> gap, std::span<const double> weight,
@@ -116,17 +115,18 @@ std::vector<double> Uzawa::extrapolated(std::vector<double> values, const std::v
 
 std::string Uzawa::fault(double penalty, double tolerance) const
 {
+  using common::text;
   const auto [before, now] = _penetration;
-  std::string text = "after " + std::to_string(_rounds - 1) + " augmentations the penetration is " +
-                     common::text("%.3e", now) + ", more than " + common::text("%.3e", tolerance);
+  std::string out = "after " + std::to_string(_rounds - 1) + " augmentations the penetration is " + text("%.3e", now) +
+                    ", more than " + text("%.3e", tolerance);
   const double rate = std::isfinite(before) && before > 0.0 ? now / before : 0.0;
   if (rate > 0.0 && rate < 1.0)
   {
     const double more = std::ceil(std::log(tolerance / now) / std::log(rate));
-    text += "; each takes " + common::text("%.1f", 100.0 * (1.0 - rate)) + "% of it away, some " +
-            common::text("%.0f", more) + " more are needed";
+    out += "; each takes " + text("%.1f", 100.0 * (1.0 - rate)) + "% of it away, some " + text("%.0f", more) +
+           " more are needed";
   }
-  return text + ". The penalty is " + common::text("%.3e", penalty) +
+  return out + ". The penalty is " + text("%.3e", penalty) +
          ": take a larger one (penalty='auto' is from material and mesh), a larger tolerance, or more "
          "max_augmentations";
 }

@@ -21,7 +21,6 @@ from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
 from .nodal_stiffness import nodal_compliances
 from .springs import searched
-from ..initial_penetration import check_side
 
 
 class Kinematic(Fixed):
@@ -68,7 +67,7 @@ class NodalResult(ContactOutput):
     Args:
         pair: the pair of surfaces.
         problem: the problem.
-        law: C++ class of the contact, PenaltyContact or KinematicContact.
+        law: C++ class of the contact, NodePenalty or KinematicContact.
         by_step: springs without a given penalty follow from masses and time step instead of the bodies' stiffness.
         options: kept as `parameters`, those of the C++ class.
 
@@ -127,7 +126,8 @@ class NodalResult(ContactOutput):
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if pair.rigid else None
         if self.obstacle is not None:
             self.obstacle.displacement = pair.rigid_master.displacement.tolist()
-            check_side(pair, V, slave, self.obstacle)
+            self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
+            _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
         self._law, self.parameters = law, options
         self._surfaces = slave, self.obstacle if pair.rigid else master
         facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
@@ -156,8 +156,8 @@ class NodalResult(ContactOutput):
 
     @property
     def kind(self) -> str:
-        """Name of the method that enforces the contact."""
-        return self._law.__name__
+        """Name of the method that enforces the contact, as checkpoints have it."""
+        return "KinematicContact" if self.kinematic else "PenaltyContact"
 
     def facets(self) -> tuple[Any, Any]:
         """Facets of slave and master on this rank (C++), or the obstacle."""
@@ -167,7 +167,7 @@ class NodalResult(ContactOutput):
         """Make a C++ contact of this pair. Collective.
 
         Args:
-            law: C++ class of the contact, PenaltyContact or KinematicContact.
+            law: C++ class of the contact, NodePenalty or KinematicContact.
             options: its parameters.
 
         Returns:
@@ -274,7 +274,7 @@ class NodalResult(ContactOutput):
 
     def _deep_by_springs(self) -> int:
         """Number of nodes that penalty contact would find too deep in the present configuration. Collective."""
-        twin, halo, u = searched(self, self.problem.u.x.array, _cpp.nodal.PenaltyContact)
+        twin, halo, u = searched(self, self.problem.u.x.array, _cpp.nodal.NodePenalty)
         zero = np.zeros_like(u)
         twin.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
         return int(twin.counters()["implausible"])

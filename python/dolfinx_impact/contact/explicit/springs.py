@@ -75,7 +75,7 @@ def stiffness(contacts: Sequence["NodalResult"], V: FunctionSpace, u: FloatArray
     matrix = PETSc.Mat().createAIJ((size, size), comm=V.mesh.comm)
     matrix.setUp()
     for contact in contacts:
-        made, halo, values = searched(contact, u, _cpp.nodal.PenaltyContact, **contact.parameters)
+        made, halo, values = searched(contact, u, _cpp.nodal.NodePenalty, **contact.parameters)
         for side in [made] + ([made.other] if made.other is not None else []):
             _add(matrix, side.springs(halo, values), bs, contact.pair.friction > 0)
     matrix.assemble()

@@ -223,7 +223,8 @@ class LagrangeContact(ContactOutput):
             "direction": self.direction, "friction_traction": self.friction_traction, "traction_n": self.traction_n,
             "total_slip": self.total_slip, "imposed": self._cpp_object.imposed,
         }  # fmt: skip
-        columns = {name: np.asarray(v, dtype=float).reshape(n, 1) for name, v in scalars.items()} | vectors
+        columns: dict[str, Any] = {name: np.asarray(v, dtype=float).reshape(n, 1) for name, v in scalars.items()}
+        columns |= {name: v.reshape(n, self.gdim) for name, v in vectors.items()}
         # Gaps without a master are infinite, which a table of numbers must not be.
         columns["opening"] = np.where(np.isfinite(columns["opening"]), columns["opening"], NO_MASTER)
         return SavedHistory(False, self.nodes, columns, self.save_totals() | {"master": self.displacement})

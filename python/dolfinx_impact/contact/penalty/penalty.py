@@ -91,7 +91,7 @@ class Penalty(Fixed):
     def _bind_explicit(self, problem: ExplicitContactProblem) -> NodalResult:
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
-        law = _cpp.nodal.PenaltyContact
+        law = _cpp.nodal.NodePenalty
         penalty = self.penalty or 0.0
         return NodalResult(self.pair, problem, law, self.by_step, penalty=penalty, balanced=self.balanced)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Penalty contact of static problems, seen from Python; docs/contact.md."""
 
+import logging
 import weakref
 from typing import TYPE_CHECKING, Any
 
@@ -8,11 +9,12 @@ import numpy as np
 
 from ... import _cpp
 from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
-from ..initial_penetration import InitialPenetration
 from ..pair import ContactStatus
 from ..protocol import StaticContactProblem
 from ..saved_history import SavedHistory
 from ..static_view import StaticContactView
+
+LOG = logging.getLogger("dolfinx_impact")
 
 if TYPE_CHECKING:  # it imports this module
     from .penalty import Penalty
@@ -26,8 +28,6 @@ class QuadraturePenalty(StaticContactView):
         problem: the problem.
 
     Attributes:
-        displacement: displacement of a rigid master at the end of the present increment, (3) [L].
-        start_displacement: its displacement at the beginning, (3) [L].
         has_multipliers: False, there are no multipliers to condense.
     """
 
@@ -59,12 +59,13 @@ class QuadraturePenalty(StaticContactView):
             pair.name, V._cpp_object, self.slave, self.obstacle or self.master, options, bodies
         )
         self._totals = self._cpp_object.totals
-        self._initial = InitialPenetration(self._cpp_object.initial, self.comm)
+        if self.initial.warning and self.comm.rank == 0:
+            LOG.warning(self.initial.warning)
 
     @property
-    def initial(self) -> InitialPenetration:
-        """Penetrations in the reference configuration."""
-        return self._initial
+    def initial(self) -> Any:
+        """Penetrations in the reference configuration: InitialPenetration (C++)."""
+        return self._cpp_object.initial
 
     @property
     def kind(self) -> str:
@@ -93,6 +94,7 @@ class QuadraturePenalty(StaticContactView):
 
     @property
     def displacement(self) -> FloatArray:
+        """Displacement of a rigid master at the end of the present increment, (3) [L]."""
         return self._state_array("displacement")
 
     @property
@@ -173,9 +175,7 @@ class QuadraturePenalty(StaticContactView):
         made, state, per_facet = self._cpp_object, self._cpp_object.state(), self._cpp_object.forces.points.per_facet
         rows: dict[str, Any] = {name: state.array(name) for name in ("multiplier", "touched")}
         rows |= {"status": self.status, "facet": made.facet_ids()}
-        columns: dict[str, FloatArray] = {
-            name: np.array(v, dtype=float).reshape(-1, per_facet) for name, v in rows.items()
-        }
+        columns: dict[str, Any] = {name: np.array(v, dtype=float).reshape(-1, per_facet) for name, v in rows.items()}
         for name in ("traction", "slip"):
             columns[name] = state.array(name).reshape(-1, per_facet * self.gdim).copy()
         places = {"master": self.displacement, "penalties": np.array([made.penalty, made.tangential])}

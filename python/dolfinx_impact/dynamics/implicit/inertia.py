@@ -18,7 +18,7 @@ from ...assembly import lumped_mass, operators
 from ...assembly.consistent_mass import ConsistentMass, Densities, diagonal_matrix
 from ...assembly.fields import field_dofs, fields_of
 from ...common.types import BoolArray, FloatArray
-from .contact_nodes import ContactNodes
+from .mass_redistribution import MassRedistribution
 
 SOLVED = 1e-14  # relative residual that conjugate gradients aim at: round-off of a well-conditioned matrix
 ENOUGH = 1e-9  # relative residual that is accepted where round-off does not let them get there
@@ -55,7 +55,7 @@ class Inertia(Described):
         hypothesis: str,
         cell_tags: MeshTags | None,
         lumping: str | None,
-        surface: ContactNodes | None,
+        surface: MassRedistribution | None,
         added: Sequence[AddedMass] = (),
     ) -> None:
         self.space, self.lumping = V, lumping
@@ -125,8 +125,8 @@ class Inertia(Described):
         """
         self.massless = self.massless & ~fixed
 
-    def _redistribute(self, consistent: ConsistentMass, surface: ContactNodes) -> None:
-        """Replace the matrix M_e of each cell at the surface by T^T M_e T; see ContactNodes. Collective."""
+    def _redistribute(self, consistent: ConsistentMass, surface: MassRedistribution) -> None:
+        """Replace the matrix M_e of each cell at the surface by T^T M_e T; see MassRedistribution. Collective."""
         dofmap = self.space.dofmap
         identity = np.eye(dofmap.bs)
         for cell, matrix in consistent.of_cells(surface.cells):
@@ -135,7 +135,7 @@ class Inertia(Described):
             self.matrix.setValuesLocal(dofs, dofs, T.T @ matrix @ T - matrix, PETSc.InsertMode.ADD_VALUES)
         self.matrix.assemble()
 
-    def _redistributed(self, masses: lumped_mass.CellMasses, surface: ContactNodes) -> FloatArray:
+    def _redistributed(self, masses: lumped_mass.CellMasses, surface: MassRedistribution) -> FloatArray:
         """Lumped masses of owned degrees of freedom after redistribution [M]. Collective."""
         moved, wanted = [], np.zeros(self.space.mesh.topology.index_map(self.space.mesh.topology.dim).size_local, bool)
         wanted[surface.cells] = True

@@ -48,7 +48,7 @@ from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
 from ..read_once import ReadOnce
 from ..supports import Supports
-from .contact_nodes import ContactNodes
+from .mass_redistribution import MassRedistribution
 from .damping import DampingForce
 from .energies import EnergyAccount, energies
 from .force_balance import ForceBalance
@@ -250,7 +250,7 @@ class NewmarkProblem(Unique):
         motion = Supports(bcs, u, self.functions)
         self.supports, self.fixed = motion.parts, motion.mask
         pairs = [c.pair for c in contact]
-        surface = ContactNodes(V, pairs) if pairs and impact == "mass_redistribution" else None
+        surface = MassRedistribution(V, pairs) if pairs and impact == "mass_redistribution" else None
         self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, added_masses(loads))
         self.inertia.hold(self.fixed[: self.num_owned])
         self.mass = self.inertia.total

@@ -13,7 +13,7 @@ from ...common.types import BoolArray, FloatArray, IntArray
 from ...contact.pair import ContactPair
 
 
-class ContactNodes:
+class MassRedistribution:
     """Nodes of contact surfaces, and the cells that pass their mass on.
 
     The mass of a contact node goes, cell by cell, to the nodes of the cell that are on no contact surface: in the

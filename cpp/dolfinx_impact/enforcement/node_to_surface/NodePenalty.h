@@ -6,7 +6,7 @@
 
 namespace dolfinx_impact::enforcement
 {
-struct PenaltyContactOptions : NodeToSurfaceOptions
+struct NodePenaltyOptions : NodeToSurfaceOptions
 {
   double penalty = 0.0;  ///< pressure per penetration; 0: nodal stiffness of the surfaces [F/L^3]
   double kappa = 0.5;    ///< stiffness of a node times dt^2 over its mass where no nodal stiffness is known [1]
@@ -25,17 +25,17 @@ struct NodalSprings
 };
 
 /// Explicit contact by penalty: springs between slave nodes and the master, docs/explicit/penalty.md.
-class PenaltyContact : public NodeToSurface, public SpringForces
+class NodePenalty : public NodeToSurface, public SpringForces
 {
 public:
   /// Collective.
   /// @param[in] V displacement space
   /// @param[in] slave, master this rank's facets (make_surface)
   /// @throws std::invalid_argument on all ranks for options out of range, facets of another space
-  PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
-                 const PenaltyContactOptions& options);
-  PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
-                 const PenaltyContactOptions& options);
+  NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
+              const NodePenaltyOptions& options);
+  NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
+              const NodePenaltyOptions& options);
 
   void add_forces(const NodalState& state, std::span<double> f) override;
 
@@ -55,7 +55,7 @@ public:
   /// @throws std::invalid_argument for another number of nodes, negative or infinite values
   void set_nodal_compliances(std::vector<double> slave, std::vector<double> master);
   /// The other direction of balanced contact, or null.
-  PenaltyContact* other() { return _other.get(); }
+  NodePenalty* other() { return _other.get(); }
 
   /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
   const std::vector<double>& stiffness() const { return _stiffness; }
@@ -69,8 +69,8 @@ public:
   NodalSprings springs_at(std::span<const double> u);
 
 private:
-  PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
-                 const gap::Rigid* rigid, const PenaltyContactOptions& options);
+  NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
+              const gap::Rigid* rigid, const NodePenaltyOptions& options);
   double deepest_penetration() const override;
   void drop_stored_energy(std::size_t i) override;
   double compliance(const ContactPoint& point) const;
@@ -90,7 +90,7 @@ private:
   std::vector<double> _slave_compliance;           ///< by slave node, in the present step [L/F]
   double _compliance_step = 0.0;                   ///< step that compliances were made for; 0: none yet [T]
   double _share = 1.0;                             ///< of the stiffness: half when balanced
-  std::unique_ptr<PenaltyContact> _other;
+  std::unique_ptr<NodePenalty> _other;
   std::vector<std::int64_t> _all_remote; ///< of both directions
   std::vector<int> _all_owners;
   std::vector<std::int32_t> _all_needed;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "PenaltyContact.h"
+#include "NodePenalty.h"
 #include "../friction.h"
 #include "MomentCorrection.h"
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace
 /// the highest frequency, 1/0.9^2 - 1, times the 4 of the stable step itself.
 constexpr double most = 4.0 * 0.19 / 0.81;
 
-PenaltyContactOptions checked(const PenaltyContactOptions& o, bool rigid)
+NodePenaltyOptions checked(const NodePenaltyOptions& o, bool rigid)
 {
   if (!std::isfinite(o.penalty) || !(o.penalty >= 0.0))
     throw std::invalid_argument("the penalty of a contact is finite and not negative");
@@ -31,33 +31,32 @@ PenaltyContactOptions checked(const PenaltyContactOptions& o, bool rigid)
 }
 } // namespace
 
-PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave,
-                               const surface::Facets& master, const PenaltyContactOptions& options)
-    : PenaltyContact(V, slave, &master, nullptr, options)
+NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
+                         const NodePenaltyOptions& options)
+    : NodePenalty(V, slave, &master, nullptr, options)
 {
   if (!options.balanced)
     return;
-  PenaltyContactOptions one_way = options;
+  NodePenaltyOptions one_way = options;
   one_way.balanced = false;
-  _other = std::make_unique<PenaltyContact>(V, master, slave, one_way);
+  _other = std::make_unique<NodePenalty>(V, master, slave, one_way);
   _share = _other->_share = 0.5;
 }
 
-PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
-                               const PenaltyContactOptions& options)
-    : PenaltyContact(V, slave, nullptr, &master, options)
+NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
+                         const NodePenaltyOptions& options)
+    : NodePenalty(V, slave, nullptr, &master, options)
 {
 }
 
-PenaltyContact::PenaltyContact(const surface::FunctionSpace& V, const surface::Facets& slave,
-                               const surface::Facets* master, const gap::Rigid* rigid,
-                               const PenaltyContactOptions& options)
+NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
+                         const gap::Rigid* rigid, const NodePenaltyOptions& options)
     : NodeToSurface(V, slave, master, rigid, checked(options, rigid != nullptr)), _penalty(options.penalty),
       _kappa(options.kappa), _slave_compliance(num_nodes(), 0.0), _stiffness(num_nodes(), 0.0), _springs(num_nodes())
 {
 }
 
-void PenaltyContact::search(std::span<const double> u, std::span<const double> du)
+void NodePenalty::search(std::span<const double> u, std::span<const double> du)
 {
   NodeToSurface::search(u, du);
   const auto nodes = NodeToSurface::remote_nodes();
@@ -83,7 +82,7 @@ void PenaltyContact::search(std::span<const double> u, std::span<const double> d
   }
 }
 
-std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
+std::span<const std::int32_t> NodePenalty::needs(operators::Halo& all)
 {
   const auto own = NodeToSurface::needs(all);
   if (!_master_known.empty())
@@ -100,7 +99,7 @@ std::span<const std::int32_t> PenaltyContact::needs(operators::Halo& all)
   return _all_needed;
 }
 
-void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
+void NodePenalty::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   NodeToSurface::number(halo, numbers, mass);
   const auto masters = _tracker.master_nodes();
@@ -120,19 +119,19 @@ void PenaltyContact::number(operators::Halo& halo, std::span<const std::int32_t>
     _other->number(halo, numbers, mass);
 }
 
-double PenaltyContact::used(const NodalState& state) const
+double NodePenalty::used(const NodalState& state) const
 {
   return std::max(NodeToSurface::used(state), _other ? _other->used(state) : 0.0);
 }
 
-void PenaltyContact::forget_search()
+void NodePenalty::forget_search()
 {
   NodeToSurface::forget_search();
   if (_other)
     _other->forget_search();
 }
 
-ContactEnergy PenaltyContact::energy() const
+ContactEnergy NodePenalty::energy() const
 {
   ContactEnergy out = _energy;
   if (_other)
@@ -145,20 +144,20 @@ ContactEnergy PenaltyContact::energy() const
   return out;
 }
 
-Passage PenaltyContact::passage() const
+Passage NodePenalty::passage() const
 {
   const Passage more = _other ? _other->passage() : Passage{};
   return more.facets > _passage.facets ? more : _passage;
 }
 
-void PenaltyContact::keep_normals(bool keep)
+void NodePenalty::keep_normals(bool keep)
 {
   NodeToSurface::keep_normals(keep);
   if (_other)
     _other->keep_normals(keep);
 }
 
-void PenaltyContact::set_nodal_compliances(std::vector<double> slave, std::vector<double> master)
+void NodePenalty::set_nodal_compliances(std::vector<double> slave, std::vector<double> master)
 {
   for (const std::vector<double>* values : {&slave, &master})
   {
@@ -176,7 +175,7 @@ void PenaltyContact::set_nodal_compliances(std::vector<double> slave, std::vecto
   _compliance_step = 0.0;
 }
 
-void PenaltyContact::set_springs(std::vector<Spring> springs)
+void NodePenalty::set_springs(std::vector<Spring> springs)
 {
   if (springs.size() != num_nodes())
     throw std::invalid_argument("the springs belong to other nodes: this rank has " + std::to_string(num_nodes()) +
@@ -184,7 +183,7 @@ void PenaltyContact::set_springs(std::vector<Spring> springs)
   _springs = std::move(springs);
 }
 
-double PenaltyContact::deepest_penetration() const
+double NodePenalty::deepest_penetration() const
 {
   double deepest = 0.0;
   for (std::size_t i = 0; i < num_nodes(); ++i)
@@ -194,7 +193,7 @@ double PenaltyContact::deepest_penetration() const
 }
 
 /// The stored energy of a node that opens without leaving through the surface is dissipated.
-void PenaltyContact::drop_stored_energy(std::size_t i)
+void NodePenalty::drop_stored_energy(std::size_t i)
 {
   _stiffness[i] = 0.0;
   Spring& spring = _springs[i];
@@ -208,13 +207,13 @@ void PenaltyContact::drop_stored_energy(std::size_t i)
 }
 
 /// Compliance of a node: the known one, but no less than a step can bear; from mass and step if none is known.
-inline double PenaltyContact::node_compliance(double known, double inverse_mass, double dt) const
+inline double NodePenalty::node_compliance(double known, double inverse_mass, double dt) const
 {
   const double per_step = dt * dt * inverse_mass;
   return known > 0.0 ? std::max(known, per_step / most) : per_step / _kappa;
 }
 
-void PenaltyContact::update_compliances(double dt)
+void NodePenalty::update_compliances(double dt)
 {
   for (std::size_t i = 0; i < num_nodes(); ++i)
   {
@@ -231,7 +230,7 @@ void PenaltyContact::update_compliances(double dt)
 }
 
 /// Reciprocal of the contact stiffness: slave and master in series.
-inline double PenaltyContact::compliance(const ContactPoint& point) const
+inline double NodePenalty::compliance(const ContactPoint& point) const
 {
   const double per_area = _per_area[point.i];
   if (_penalty > 0.0)
@@ -269,7 +268,7 @@ double part_below(double g, double r)
 /// Opens the spring of a node that leaves through the surface. Half of the last force's work is done in this step.
 /// @param[in] motion increment of the node relative to the master [L]
 template <int D>
-void PenaltyContact::open_spring(std::size_t i, const double* n, double change, const double* motion)
+void NodePenalty::open_spring(std::size_t i, const double* n, double change, const double* motion)
 {
   Spring& spring = _springs[i];
   double* t = _tangential.data() + i * D;
@@ -291,7 +290,7 @@ void PenaltyContact::open_spring(std::size_t i, const double* n, double change, 
 
 /// Adds the contact force of a node near the master.
 template <int D>
-void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std::span<double> f)
+void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::span<double> f)
 {
   const std::size_t i = point.i;
   const search::Projection& at = point.at;
@@ -402,7 +401,7 @@ void PenaltyContact::add_node(ContactPoint& point, const NodalState& state, std:
 }
 
 template <int D>
-void PenaltyContact::add_all(const NodalState& state, std::span<double> f)
+void NodePenalty::add_all(const NodalState& state, std::span<double> f)
 {
   ContactPoint point;
   // No gap changes by more than this in a step.
@@ -417,7 +416,7 @@ void PenaltyContact::add_all(const NodalState& state, std::span<double> f)
       f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
 }
 
-void PenaltyContact::add_forces(const NodalState& state, std::span<double> f)
+void NodePenalty::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
   _energy.stored = 0.0;
@@ -437,7 +436,7 @@ void PenaltyContact::add_forces(const NodalState& state, std::span<double> f)
   }
 }
 
-NodalSprings PenaltyContact::springs_at(std::span<const double> displacements)
+NodalSprings NodePenalty::springs_at(std::span<const double> displacements)
 {
   const double* u = displacements.data();
   if (!(_penalty > 0.0))
