@@ -19,7 +19,6 @@ from dolfinx_impact import _cpp, meshes
 from dolfinx_impact.statics import newton
 
 kind, stage, method = sys.argv[1:]
-newton.contact_in_cpp = _cpp.solve.PythonContact  # whose methods can be exchanged
 m = meshes.make("two_blocks", MPI.COMM_WORLD, lower_cells=(3, 2), upper_cells=(2, 2), gap=0.0)
 V = fem.functionspace(m.mesh, ("Lagrange", 1, (2,)))
 foot = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[1], 0.0))
