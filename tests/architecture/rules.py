@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 
-STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "solve", "integrators")
+STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "solve", "integrators", "problems")
 # What no stage is: small tools, and the state as data, which every stage may describe its own in.
 BELOW = ("common", "state")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A contact by multipliers as one object: its state as a tree, an increment, what it shares with others, what it refuses.
+// A contact by multipliers as one object: its state as a tree, an increment, what it shares with others, what it
+// refuses.
 #include <basix/finite-element.h>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>

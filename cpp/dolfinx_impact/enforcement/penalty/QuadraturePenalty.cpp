@@ -185,7 +185,11 @@ void QuadraturePenalty::begin_step(std::span<const double> u, const std::optiona
                                    std::span<const double>)
 {
   if (_penalty == 0.0)
+  {
     _penalty = automatic();
+    PetscPrintf(_space->mesh()->comm(), "%s: penalty %.3e from material and mesh\n", _name.c_str(), _penalty);
+    PetscFFlush(PETSC_STDOUT);
+  }
   if (_tangential == 0.0)
     _tangential = _penalty;
   _start.assign(u.begin(), u.end());

@@ -129,20 +129,6 @@ class QuadraturePenalty(StaticContactView):
     def _state_array(self, name: str) -> FloatArray:
         return np.array(self._cpp_object.state().array(name)).reshape(-1)
 
-    def begin_step(self, u: FloatArray, displacement: FloatArray | None, target: FloatArray | None = None) -> None:
-        """Begin an increment; the penalty is printed if it is computed now. Collective.
-
-        Args:
-            u: displacements, owned and ghost dofs [L].
-            displacement: displacement of a rigid master at the end of the increment, (3); None for deformable masters
-                [L].
-            target: prescribed displacements at the end of the increment; not used [L].
-        """
-        known = self.penalty is not None
-        super().begin_step(u, displacement, target)
-        if not known and self.comm.rank == 0:
-            print(f"{self.pair.name}: penalty {self.penalty:.3e} from material and mesh", flush=True)
-
     def update_gap(self, u: FloatArray) -> None:
         """Update candidates, gaps, normals and tractions. Collective.
 

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "StaticProblem.h"
+#include "../enforcement/mortar/MortarContact.h"
+#include "../enforcement/mortar/shared_nodes.h"
+#include <algorithm>
+#include <stdexcept>
+
+namespace dolfinx_impact::problems
+{
+std::vector<std::int8_t> prescribed_dofs(const dolfinx::fem::FunctionSpace<double>& V, const BoundaryConditions& bcs)
+{
+  const auto& dofmap = *V.dofmap();
+  std::vector<std::int8_t> fixed(
+      (dofmap.index_map->size_local() + dofmap.index_map->num_ghosts()) * dofmap.index_map_bs(), 0);
+  for (const auto& bc : bcs)
+    for (std::int32_t dof : bc->dof_indices().first)
+      fixed[dof] = 1;
+  return fixed;
+}
+
+StaticProblem::StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<solve::Body> body,
+                             BoundaryConditions bcs, std::vector<std::shared_ptr<enforcement::StaticContact>> contacts,
+                             const StaticOptions& options)
+    : _equilibrium(std::make_shared<solve::EquilibriumProblem>()), _bcs(std::move(bcs))
+{
+  const auto V = u->function_space();
+  solve::EquilibriumProblem& p = *_equilibrium;
+  p.u = std::move(u);
+  p.body = std::move(body);
+  p.contacts = std::move(contacts);
+  p.fixed = prescribed_dofs(*V, _bcs);
+  p.axisymmetric = options.axisymmetric;
+  // Only multipliers with the dual basis can be condensed, and only one constraint at a node.
+  std::vector<enforcement::MortarContact*> multipliers;
+  for (const auto& contact : p.contacts)
+    if (auto* mortar = dynamic_cast<enforcement::MortarContact*>(contact.get()))
+      multipliers.push_back(mortar);
+  p.keeps_multipliers = enforcement::connect(multipliers) ||
+                        std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
+                                            { return contact->options().basis != gap::Multipliers::dual; });
+  p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, options.prefix, p.keeps_multipliers);
+  // The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
+  // converge with it: their product with the last guess is on the right-hand side then.
+  p.exact_tangent = p.linear_solver->direct();
+  for (const auto& contact : p.contacts)
+    _obstacles.push_back(contact->displacement());
+}
+
+void StaticProblem::add_load(std::span<double> forces)
+{
+  _loads.push_back(forces);
+  _reached.emplace_back(forces.size(), 0.0);
+}
+
+void StaticProblem::move_obstacle(std::size_t contact, const std::array<double, 3>& displacement)
+{
+  if (!_obstacles.at(contact))
+    throw std::invalid_argument(_equilibrium->contacts[contact]->name() + " has no obstacle that could be moved");
+  _obstacles[contact] = displacement;
+}
+
+solve::LoadStepReport StaticProblem::solve(const SolveOptions& options)
+{
+  const solve::EquilibriumProblem& p = *_equilibrium;
+  const std::span<const double> u = p.u->x()->array();
+  std::vector<double> target(u.begin(), u.end());
+  for (const auto& bc : _bcs)
+    bc->set(target, std::nullopt, 1.0);
+  std::vector<solve::Ramp> ramps;
+  for (std::size_t i = 0; i < _loads.size(); ++i)
+    ramps.push_back({_loads[i], _reached[i]});
+  for (const auto& contact : p.contacts)
+    contact->check_parameters();
+  solve::NewtonOptions newton;
+  newton.rtol = options.rtol;
+  newton.atol = options.atol;
+  newton.max_iterations = options.max_iterations;
+  solve::Newton solver(_equilibrium, newton.with_database(p.linear_solver->prefix()));
+  solve::LoadSteps steps(_equilibrium, std::move(target), std::move(ramps), _obstacles);
+  const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
+  return steps.run([&solver](std::span<const double> goal) { return solver.run(goal); },
+                   {options.steps, options.cut_backs.value_or(several)});
+}
+
+state::State StaticProblem::state()
+{
+  state::State out("static problem");
+  const auto u = _equilibrium->u->x();
+  const std::size_t bs = _equilibrium->space().dofmap()->index_map_bs();
+  out.add("displacement", state::Place::node, state::View(u->mutable_array().subspan(0, _equilibrium->num_owned())),
+          bs);
+  for (std::size_t i = 0; i < _reached.size(); ++i)
+    out.add("load " + std::to_string(i), state::Place::rank, _reached[i]);
+  for (std::size_t i = 0; i < _equilibrium->contacts.size(); ++i)
+  {
+    state::State part("contact " + std::to_string(i));
+    part.add(_equilibrium->contacts[i]->state());
+    out.add(std::move(part));
+  }
+  return out;
+}
+} // namespace dolfinx_impact::problems

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+// A static problem in C++: a stretched block of two laws, a load in parts, and a state that is gone back to.
+#include <algorithm>
+#include <basix/finite-element.h>
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <cmath>
+#include <dolfinx/fem/utils.h>
+#include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
+#include <dolfinx_impact/problems/KernelBody.h>
+#include <dolfinx_impact/problems/StaticProblem.h>
+#include <dolfinx_impact/surface/Surface.h>
+#include <stdexcept>
+
+using namespace dolfinx;
+using namespace dolfinx_impact;
+
+namespace
+{
+constexpr double E = 1000.0, height = 2.0;
+
+/// A block of the plane whose lower end stands on a plane by penalty, its sides free; the upper end is moved.
+struct Block
+{
+  std::shared_ptr<fem::FunctionSpace<double>> V;
+  std::shared_ptr<fem::Function<double>> u, top;
+  std::shared_ptr<problems::KernelBody> body;
+  std::shared_ptr<enforcement::QuadraturePenalty> contact;
+  std::shared_ptr<problems::StaticProblem> problem;
+
+  static auto at(double y)
+  {
+    return [y](auto x)
+    {
+      std::vector<std::int8_t> marked(x.extent(1));
+      for (std::size_t p = 0; p < marked.size(); ++p)
+        marked[p] = std::abs(x(1, p) - y) < 1e-9;
+      return marked;
+    };
+  }
+
+  explicit Block(const std::string& law)
+  {
+    auto mesh = std::make_shared<mesh::Mesh<double>>(mesh::create_rectangle<double>(
+        MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, height}}}, {2, 3}, mesh::CellType::quadrilateral));
+    const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
+                                                       basix::element::lagrange_variant::gll_warped,
+                                                       basix::element::dpc_variant::unset, false);
+    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    u = std::make_shared<fem::Function<double>>(V);
+    top = std::make_shared<fem::Function<double>>(V);
+    problems::BoundaryConditions bcs{
+        std::make_shared<fem::DirichletBC<double>>(top, fem::locate_dofs_geometrical(*V, at(height)))};
+    body = std::make_shared<problems::KernelBody>(
+        u, problems::KernelMaterial{law, {{"E", {E}}, {"nu", {0.0}}}, "plane_strain"});
+    const auto facets = mesh::locate_entities_boundary(*mesh, 1, at(0.0));
+    const gap::Rigid plane{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {0, 1, 0}};
+    contact = std::make_shared<enforcement::QuadraturePenalty>("floor", V, surface::make_surface(*V, facets), plane,
+                                                               enforcement::PenaltyOptions{.penalty = 1e4});
+    problem = std::make_shared<problems::StaticProblem>(
+        u, body, bcs, std::vector<std::shared_ptr<enforcement::StaticContact>>{contact});
+  }
+
+  void press(double by)
+  {
+    std::span<double> moved = top->x()->mutable_array();
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      moved[i] = i % 2 ? -by : 0.0;
+  }
+};
+} // namespace
+
+TEST_CASE("a pressed block has the force of two springs in series")
+{
+  Block block("linear_elastic");
+  CHECK(block.body->linear());
+  block.press(0.01);
+  const auto report = block.problem->solve({.steps = 2});
+  CHECK(report.fractions == std::vector{0.5, 1.0});
+  CHECK(block.contact->totals().force[1] == Catch::Approx(0.01 / (height / E + 1e-4)).epsilon(1e-9));
+}
+
+TEST_CASE("a problem goes back to a copied state, and on from there to the same end")
+{
+  Block block("neo_hookean");
+  CHECK_FALSE(block.body->linear());
+  block.press(0.01);
+  block.problem->solve();
+  const state::State half = block.problem->state().copy();
+  block.press(0.03);
+  block.problem->solve();
+  const state::State end = block.problem->state().copy();
+  CHECK_FALSE(end.difference_of_values(half).empty());
+  block.problem->state().assign(half);
+  CHECK(block.problem->state().difference_of_values(half).empty());
+  block.u->x()->scatter_fwd();
+  block.problem->solve();
+  const auto one = std::get<std::span<double>>(end.field("displacement").values);
+  const auto other = block.u->x()->array();
+  double difference = 0.0;
+  for (std::size_t i = 0; i < one.size(); ++i)
+    difference = std::max(difference, std::abs(one[i] - other[i]));
+  CHECK(difference < 1e-9 * 0.03); // Newton's tolerance is 1e-10 of the force
+}
+
+TEST_CASE("a static problem refuses what it has not")
+{
+  Block block("linear_elastic");
+  block.problem->move_obstacle(0, {0.0, 1e-3, 0.0});
+  CHECK_THROWS_AS(block.problem->move_obstacle(1, {}), std::out_of_range);
+  CHECK_THROWS_AS(Block("no_such_law"), std::runtime_error);
+}
