@@ -50,7 +50,14 @@ void bind_static_contact(nb::module_& m)
       .def("contact_forces", [](const StaticContact& c) { return take(c.contact_forces()); })
       .def("add_residual", &StaticContact::add_residual, nb::arg("b"))
       .def("update_nodal_stiffness", &StaticContact::update_nodal_stiffness, nb::arg("K"))
-      .def("tangent", &StaticContact::tangent, nb::rv_policy::reference, "PETSc matrix, kept by this object")
+      .def(
+          "tangent",
+          [](StaticContact& c) -> nb::object
+          {
+            Mat tangent = c.tangent();
+            return tangent ? nb::cast(tangent, nb::rv_policy::reference) : nb::none();
+          },
+          "PETSc matrix, kept by this object; None: zero. Collective")
       .def("set_convex", &StaticContact::set_convex, nb::arg("convex"))
       .def_prop_ro("symmetric", &StaticContact::symmetric)
       .def_prop_ro("num_active", &StaticContact::num_active)

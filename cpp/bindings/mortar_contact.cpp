@@ -7,7 +7,6 @@
 
 using namespace dolfinx_impact::enforcement;
 using dolfinx_impact::gap::Rigid;
-using dolfinx_impact::operators::RigidBodyModes;
 using dolfinx_impact::surface::Facets;
 using dolfinx_impact::surface::FunctionSpace;
 
@@ -91,43 +90,6 @@ void bind_state(nb::class_<Contact, MultiplierContact>& c)
           "Gaps of the linearised problem, (n) [L]");
 }
 
-void bind_load_steps(nb::class_<Contact, MultiplierContact>& c)
-{
-  c.def(
-       "begin_step",
-       [](Contact& c, Array u, std::optional<std::array<double, 3>> displacement, std::optional<Array> target)
-       { c.begin_step(view(u), displacement, target ? view(*target) : std::span<const double>()); }, nb::arg("u"),
-       nb::arg("displacement").none(), nb::arg("target").none() = nb::none(), "Begin an increment. Collective")
-      .def("accept_step", &Contact::accept_step, "Accept a converged increment. Collective")
-      .def("update_totals", &Contact::update_totals, "Force, moment, area and work of friction. Collective")
-      .def("prescribed_overlap", &Contact::prescribed_overlap)
-      .def("passed_through", &Contact::passed_through)
-      .def(
-          "update_gap", [](Contact& c, Array u) { c.update_gap(view(u)); }, nb::arg("u"),
-          "Search, gaps and normals. Collective")
-      .def(
-          "update_active_set", [](Contact& c, bool first, std::optional<std::int64_t> last)
-          { return c.update_active_set(first, last); }, nb::arg("first"), nb::arg("last").none() = nb::none(),
-          "Change the active set; number of nodes that would change. Collective")
-      .def("close_nearest", &Contact::close_nearest)
-      .def("update_nodal_stiffness", &Contact::update_nodal_stiffness, nb::arg("K"))
-      .def("contact_forces", [](const Contact& c) { return array(c.contact_forces()); })
-      .def(
-          "tangent",
-          [](Contact& c) -> nb::object
-          {
-            Mat A = c.tangent();
-            return A ? nb::cast(A, nb::rv_policy::reference) : nb::none();
-          },
-          "Geometric stiffness of the contact forces, kept by this object; None: zero. Collective")
-      .def("violation", &Contact::violation)
-      .def("largest_violation", &Contact::largest_violation)
-      .def("mesh_advice", &Contact::mesh_advice)
-      .def("smallest_gap", &Contact::smallest_gap)
-      .def("forget", &Contact::forget)
-      .def_prop_ro("num_active", &Contact::num_active);
-}
-
 void bind_linear_problems(nb::class_<Contact, MultiplierContact>& c)
 {
   c.def(
@@ -179,26 +141,6 @@ void bind_linear_problems(nb::class_<Contact, MultiplierContact>& c)
       .def_prop_ro("last_change", &Contact::last_change);
 }
 
-void bind_results(nb::class_<Contact, MultiplierContact>& c)
-{
-  c.def_prop_ro("points", [](const Contact& c) { return by_node(c, c.points()); })
-      .def_prop_ro("gap", [](const Contact& c) { return array(c.gap()); })
-      .def_prop_ro("normal", [](const Contact& c) { return by_node(c, c.normal()); })
-      .def_prop_ro("pressure", [](const Contact& c) { return array(c.pressure()); })
-      .def_prop_ro("traction", [](const Contact& c) { return by_node(c, c.traction()); })
-      .def_prop_ro("slip", [](const Contact& c) { return by_node(c, c.slip()); })
-      .def_prop_ro("status",
-                   [](const Contact& c)
-                   {
-                     std::vector<std::int64_t> out;
-                     for (ContactStatus s : c.status())
-                       out.push_back(std::int64_t(s));
-                     return array(std::move(out));
-                   })
-      .def_prop_ro("weight", [](const Contact& c) { return array(c.weight()); })
-      .def("covered", [](const Contact& c) { return array(c.covered()); }, "Part of each area in contact. Collective");
-}
-
 std::vector<std::int8_t> owned(const Mask& mask)
 {
   return {view(mask).begin(), view(mask).end()};
@@ -220,7 +162,7 @@ void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
              std::shared_ptr<const Rigid> master, const MortarOptions& options, Mask fixed)
           { new (self) Contact(std::move(V), slave, std::move(master), options, owned(fixed)); },
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
-      .def_prop_ro("name", &Contact::name)
+      .def("update_totals", &Contact::update_totals, "Force, moment, area and work of friction. Collective")
       .def_prop_ro(
           "geometry", [](Contact& c) -> MortarGeometry& { return c.geometry(); }, nb::rv_policy::reference_internal)
       .def_prop_ro("initial", &Contact::initial_penetration, nb::rv_policy::reference_internal)
@@ -232,9 +174,7 @@ void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
           "Nodes that carry a multiplier and may be moved along the normal, (n)")
       .def_prop_ro("nodal_stiffness", [](const Contact& c) { return array(c.nodal_stiffness()); }, "(n) [F/L]");
   bind_state(c);
-  bind_load_steps(c);
   bind_linear_problems(c);
-  bind_results(c);
   m.def(
       "connect", [](const std::vector<Contact*>& contacts) { return connect(contacts); }, nb::arg("contacts"),
       "Join the nodes that contacts share; are multipliers to be kept in the system? Collective");

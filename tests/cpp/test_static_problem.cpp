@@ -94,7 +94,6 @@ TEST_CASE("a problem goes back to a copied state, and on from there to the same 
   CHECK_FALSE(end.difference_of_values(half).empty());
   block.problem->state().assign(half);
   CHECK(block.problem->state().difference_of_values(half).empty());
-  block.u->x()->scatter_fwd();
   block.problem->solve();
   const auto one = std::get<std::span<double>>(end.field("displacement").values);
   const auto other = block.u->x()->array();
@@ -110,4 +109,6 @@ TEST_CASE("a static problem refuses what it has not")
   block.problem->move_obstacle(0, {0.0, 1e-3, 0.0});
   CHECK_THROWS_AS(block.problem->move_obstacle(1, {}), std::out_of_range);
   CHECK_THROWS_AS(Block("no_such_law"), std::runtime_error);
+  CHECK_THROWS_AS(block.problem->solve({.steps = 0}), std::invalid_argument);
+  CHECK_THROWS_AS(block.problem->solve({.rtol = -1.0}), std::invalid_argument);
 }

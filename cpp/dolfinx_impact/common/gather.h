@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <dolfinx/common/MPI.h>
 #include <mpi.h>
-#include <span>
 #include <vector>
 
 namespace dolfinx_impact::common
 {
 /// Numbers of all ranks one after the other, in the order of the ranks. Collective.
-inline std::vector<double> gather(MPI_Comm comm, std::span<const double> here)
+template <typename T>
+std::vector<T> gather(MPI_Comm comm, const std::vector<T>& here)
 {
+  const MPI_Datatype type = dolfinx::MPI::mpi_type<T>();
   int size = 0, mine = int(here.size());
   MPI_Comm_size(comm, &size);
   std::vector<int> counts(size), starts(size + 1, 0);
   MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
   for (int r = 0; r < size; ++r)
     starts[r + 1] = starts[r] + counts[r];
-  std::vector<double> out(starts[size]);
-  MPI_Allgatherv(here.data(), mine, MPI_DOUBLE, out.data(), counts.data(), starts.data(), MPI_DOUBLE, comm);
+  std::vector<T> out(starts[size]);
+  MPI_Allgatherv(here.data(), mine, type, out.data(), counts.data(), starts.data(), type, comm);
   return out;
 }
 

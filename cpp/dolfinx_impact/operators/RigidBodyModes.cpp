@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "RigidBodyModes.h"
+#include "../common/gather.h"
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -32,20 +33,6 @@ private:
   std::vector<std::int32_t> _parent;
 };
 
-template <typename T>
-std::vector<T> gather_all(MPI_Comm comm, const std::vector<T>& mine, MPI_Datatype type)
-{
-  int size = 0;
-  MPI_Comm_size(comm, &size);
-  const int count = int(mine.size());
-  std::vector<int> counts(size), offsets(size + 1, 0);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  std::partial_sum(counts.begin(), counts.end(), offsets.begin() + 1);
-  std::vector<T> all(offsets.back());
-  MPI_Allgatherv(mine.data(), count, type, all.data(), counts.data(), offsets.data(), type, comm);
-  return all;
-}
-
 /// Coordinate axes that rotation k of a body turns: from the first towards the second.
 std::array<int, 2> turned_axes(int gdim, int k)
 {
@@ -77,14 +64,14 @@ Bodies bodies(const dolfinx::fem::FunctionSpace<double>& V)
       shared.insert(shared.end(), {name[i], name[i]});
   for (std::int32_t i = 0; i < num_ghosts; ++i)
     shared.insert(shared.end(), {name[num_owned + i], map->ghosts()[i]});
-  const std::vector<std::int64_t> asked = gather_all(comm, shared, MPI_INT64_T);
+  const std::vector<std::int64_t> asked = common::gather(comm, shared);
   // Every rank answers for the nodes that it owns.
   const auto [low, high] = map->local_range();
   std::vector<std::int64_t> edges;
   for (std::size_t i = 0; i < asked.size(); i += 2)
     if (low <= asked[i + 1] && asked[i + 1] < high)
       edges.insert(edges.end(), {asked[i], name[asked[i + 1] - low]});
-  edges = gather_all(comm, edges, MPI_INT64_T);
+  edges = common::gather(comm, edges);
   std::vector<std::int64_t> names(edges);
   for (std::size_t i = 0; i < asked.size(); i += 2)
     names.push_back(asked[i]);

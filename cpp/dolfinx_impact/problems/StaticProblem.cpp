@@ -62,6 +62,11 @@ void StaticProblem::move_obstacle(std::size_t contact, const std::array<double, 
 solve::LoadStepReport StaticProblem::solve(const SolveOptions& options)
 {
   const solve::EquilibriumProblem& p = *_equilibrium;
+  if (options.steps < 1 || options.max_iterations < 1 || options.cut_backs.value_or(0) < 0)
+    throw std::invalid_argument("a solve has one step and one iteration at least, and no negative number of cut_backs");
+  if (!(options.rtol >= 0.0 && options.rtol < 1.0) || !(options.atol >= 0.0))
+    throw std::invalid_argument("tolerances are rtol from 0 to 1 and atol not negative");
+  p.u->x()->scatter_fwd(); // a state that was assigned has owned values only
   const std::span<const double> u = p.u->x()->array();
   std::vector<double> target(u.begin(), u.end());
   for (const auto& bc : _bcs)

@@ -49,6 +49,7 @@ public:
   /// Solve for the present values of boundary conditions, loads and obstacles, in steps from those of the last solve.
   /// Collective.
   /// @throws std::runtime_error no convergence; the problem is in its last converged state
+  /// @throws std::invalid_argument options out of range
   solve::LoadStepReport solve(const SolveOptions& options = {});
 
   /// External forces that are applied in parts, beside those of the body: a view of them, which must stay valid.
@@ -56,7 +57,8 @@ public:
   /// Displacement of a contact's rigid master that the next solve leads to [L].
   /// @throws std::invalid_argument if its master is deformable
   void move_obstacle(std::size_t contact, const std::array<double, 3>& displacement);
-  /// Displacements, state of the contacts, and loads as reached: copied, the problem can be brought back to it.
+  /// Displacements, state of the contacts, and loads as reached: copied, the problem can be brought back to it. Of
+  /// displacements it has the owned ones; `solve` updates ghosts.
   state::State state();
   const solve::EquilibriumProblem& equilibrium() const { return *_equilibrium; }
 

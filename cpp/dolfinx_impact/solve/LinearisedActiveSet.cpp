@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "LinearisedActiveSet.h"
+#include "../common/gather.h"
 #include "../common/vectors.h"
 #include "../operators/petsc_check.h"
 #include "dense.h"
@@ -20,14 +21,7 @@ constexpr int most_changes = 60;                  // updates of the active set
 /// Numbers that any rank has, sorted, each once. Collective.
 std::vector<std::int64_t> united(MPI_Comm comm, const std::vector<std::int64_t>& mine)
 {
-  int size = 0;
-  MPI_Comm_size(comm, &size);
-  const int count = int(mine.size());
-  std::vector<int> counts(size), offsets(size + 1, 0);
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm);
-  std::partial_sum(counts.begin(), counts.end(), offsets.begin() + 1);
-  std::vector<std::int64_t> all(offsets.back());
-  MPI_Allgatherv(mine.data(), count, MPI_INT64_T, all.data(), counts.data(), offsets.data(), MPI_INT64_T, comm);
+  std::vector<std::int64_t> all = common::gather(comm, mine);
   std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;

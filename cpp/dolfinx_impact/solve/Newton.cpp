@@ -12,6 +12,7 @@
 #include <dolfinx/mesh/utils.h>
 #include <limits>
 #include <numeric>
+#include <stdexcept>
 
 using dolfinx_impact::common::joined;
 using dolfinx_impact::operators::check;
@@ -82,6 +83,10 @@ NewtonOptions NewtonOptions::with_database(const std::string& prefix) const
         "options are read");
   check(PetscOptionsGetInt(nullptr, prefix.c_str(), "-contact_max_updates", &most, nullptr), "options are read");
   check(PetscOptionsGetBool(nullptr, prefix.c_str(), "-contact_responses", &by_responses, nullptr), "options are read");
+  if (!(out.violation > 0.0) || most < 1)
+    throw std::invalid_argument("the options contact_tolerance and contact_max_updates of " + prefix +
+                                " are positive numbers, not " + common::text("%g", out.violation) + " and " +
+                                std::to_string(int(most)));
   out.max_changes = int(most);
   out.responses = by_responses == PETSC_TRUE;
   return out;

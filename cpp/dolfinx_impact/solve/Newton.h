@@ -28,6 +28,7 @@ struct NewtonOptions
 
   /// The same options, but for those that PETSc's database has with a prefix: contact_tolerance, contact_max_updates,
   /// contact_responses.
+  /// @throws std::invalid_argument for values that are not positive
   NewtonOptions with_database(const std::string& prefix) const;
 };
 
@@ -66,18 +67,19 @@ public:
   /// @returns iterations; their `fault` says why they did not converge
   Increment run(std::span<const double> target);
 
-  /// Solve the linearised problem with updates of its active set, and update the displacements. Collective.
-  /// @param[in] K stiffness of the bodies [F/L]
-  /// @param[in] residual without contact forces of multipliers, owned [F]
-  /// @param[in] jump increments of the prescribed displacements, by `prescribed` [L]
-  /// @param[in] rtol of the linear solution [1]
-  /// @param[in] unsettled linearised problems of this increment whose active set did not converge
+  /// What a solution of the linearised problem has come to.
   struct LinearisedSolution
   {
     std::string fault;        ///< what went wrong; empty if nothing did
     std::int64_t changes = 0; ///< of the active set
     std::int64_t wrong = 0;   ///< nodes that were still wrong
   };
+  /// Solve the linearised problem with updates of its active set, and update the displacements. Collective.
+  /// @param[in] K stiffness of the bodies [F/L]
+  /// @param[in] residual without contact forces of multipliers, owned [F]
+  /// @param[in] jump increments of the prescribed displacements, by `prescribed` [L]
+  /// @param[in] rtol of the linear solution [1]
+  /// @param[in] unsettled linearised problems of this increment whose active set did not converge
   LinearisedSolution solve_linearised(Mat K, std::vector<double> residual, std::span<const double> jump, double rtol,
                                       int unsettled = 0);
   /// Bodies that neither supports nor contacts constrain, in words; empty if there are none. Collective.

@@ -85,14 +85,6 @@ class LinearSolver(Described):
         """
         return self._cpp_object.solve(system, b, x, rtol) or None
 
-    def factors(self, system: _cpp.solve.LinearSystem) -> PETSc.Mat | None:
-        """Factors of a system, if it is the one that was factorised last; else None.
-
-        Args:
-            system: system as it was solved.
-        """
-        return self._cpp_object.factors(system)
-
     def set_near_nullspace(self, A: PETSc.Mat) -> None:
         """Tell a matrix the rigid motions, if preconditioners need them. Collective.
 

@@ -97,7 +97,7 @@ class Newton(Described):
         max_iterations: int,
         tell: Callable[[int, float], None] | None = None,
     ) -> None:
-        self.problem, self._tell, self.atol = problem, tell, atol
+        self.problem, self._tell = problem, tell
         options = _cpp.solve.NewtonOptions().with_database(problem.linear_solver.prefix)
         options.rtol, options.atol, options.max_iterations = rtol, atol, max_iterations
         self.equilibrium = equilibrium_of(problem)

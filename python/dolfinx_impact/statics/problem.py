@@ -64,7 +64,8 @@ class StaticProblem(Unique):
         options: PETSc options for KSP and SNES by name, without prefix. Default: LU by MUMPS, for large problems
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
-            `solve`.
+            `solve`. Of contact: contact_tolerance, largest violation of its conditions in a converged state in sizes
+            of the bodies (1e-11), and contact_max_updates of the active set in one linearised problem (60).
         prefix: prefix of PETSc options on the command line, which take precedence over `options`.
         hypothesis: for a residual of your own: "axisymmetric" if x is the radius and its integrals contain 2 pi r,
             otherwise None or another hypothesis.

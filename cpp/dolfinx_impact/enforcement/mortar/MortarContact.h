@@ -121,7 +121,6 @@ public:
   std::vector<double> covered() const override;
 
   // --- for those who solve for the multipliers themselves, as rolling does
-  // ---------------------------------------------
   /// State of the nodes. Sizes stay as they are.
   MortarState& nodal_state() { return _state; }
   const MortarState& nodal_state() const { return _state; }
@@ -134,7 +133,6 @@ public:
   std::vector<double> opened(std::span<const double> gap) const;
 
   // --- nodes that belong to several pairs
-  // ------------------------------------------------------------------------------
   /// Another contact with which nodes are joined.
   struct Partner
   {

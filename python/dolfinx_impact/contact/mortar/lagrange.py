@@ -13,7 +13,7 @@ from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import BoolArray, FloatArray, IntArray
 from ..pair import ContactPair, check_pair, check_quadrature_degree
-from ..output import ContactOutput
+from ..static_view import StaticContactView
 from ..saved_history import SavedHistory
 
 LOG = logging.getLogger("dolfinx_impact")
@@ -56,7 +56,7 @@ class Lagrange(Fixed):
         return LagrangeContact(self, problem)
 
 
-class LagrangeContact(ContactOutput):
+class LagrangeContact(StaticContactView):
     """Multipliers of one pair in a problem, a view of MortarContact (C++). Points are the slave's nodes that this rank
     owns; see ContactOutput. Arrays are copies.
 
@@ -74,7 +74,6 @@ class LagrangeContact(ContactOutput):
 
     may_share_nodes = True  # with other contacts by multipliers
     has_multipliers = True
-    symmetric = True  # what makes it not so is known to the transformation
     kind = "multipliers"  #: name of the method that enforces the contact
 
     nodes: IntArray
@@ -210,11 +209,6 @@ class LagrangeContact(ContactOutput):
 
     # --- load steps --------------------------------------------------------------------------------------------------
 
-    def state(self) -> _cpp.state.State:
-        """State from which an increment starts, as named arrays, views of this contact's memory: copy it before, assign
-        the copy to go back."""
-        return self._cpp_object.state()
-
     def save_history(self) -> SavedHistory:
         """What the next increment starts from, for a checkpoint."""
         n, opening = len(self.nodes), np.zeros(len(self.nodes)) if self.opening is None else self.opening
@@ -246,59 +240,7 @@ class LagrangeContact(ContactOutput):
             setattr(c, name, np.ascontiguousarray(rows[name]))
         self.restore_totals(saved.totals)
 
-    def forget(self) -> None:
-        """Forget candidates; see ContactOutput."""
-        self._cpp_object.forget()
-
-    def begin_step(self, u: FloatArray, displacement: Any, target: FloatArray | None = None) -> None:
-        """An increment starts. Collective.
-
-        Args:
-            u: displacements, owned and ghost dofs [L].
-            displacement: of a rigid master at the end of the increment, (3); None for deformable masters [L].
-            target: prescribed values at its end, over all dofs, prescribed entries count; None: they stay [L].
-        """
-        self._cpp_object.begin_step(u, displacement, target)
-
-    def accept_step(self) -> None:
-        """The increment has converged: slip adds up, less what a node slides before it closes. Collective."""
-        self._cpp_object.accept_step()
-
-    def prescribed_overlap(self) -> str:
-        """A sentence about slave nodes whose displacement along the normal is prescribed and that lie in the master, or
-        an empty text: there is nothing that a multiplier could move. Collective."""
-        return str(self._cpp_object.prescribed_overlap())
-
-    def passed_through(self) -> str:
-        """A sentence about nodes that have passed through the master since the last converged state, or an empty text.
-        Collective."""
-        return str(self._cpp_object.passed_through())
-
-    def augment(self) -> bool:
-        """Multipliers need no further rounds."""
-        return False
-
     # --- Newton iterations -------------------------------------------------------------------------------------------
-
-    def update_gap(self, u: FloatArray) -> None:
-        """Search, gaps and normals. Collective.
-
-        Args:
-            u: displacements, owned and ghost dofs [L].
-        """
-        self._cpp_object.update_gap(u)
-
-    def update_active_set(self, first: bool, last: int | None = None) -> int:
-        """Change the active set and who sticks. Collective.
-
-        Args:
-            first: the increment has just begun: no multipliers yet, only gaps count.
-            last: change no node but the one with this number, of all nodes of all ranks; see `last_change`.
-
-        Returns:
-            number of nodes of all ranks that would change.
-        """
-        return int(self._cpp_object.update_active_set(first, last))
 
     def num_turning(self) -> int:
         """Nodes whose friction traction is not yet that of Coulomb's law: the direction of slip has turned since the
@@ -317,24 +259,6 @@ class LagrangeContact(ContactOutput):
         """Owned nodes whose condition was left out in this increment, as others contradict it."""
         return self._cpp_object.over_constrained()
 
-    @property
-    def num_active(self) -> int:
-        """Active nodes of all ranks. Collective."""
-        return int(self._cpp_object.num_active)
-
-    def violation(self) -> float:
-        """Largest gap of an active node, or slip of one that sticks, of all ranks, in sizes of the bodies [1].
-        Collective."""
-        return float(self._cpp_object.violation())
-
-    def round_off(self) -> float:
-        """Round-off in the contact forces: none, as the multipliers do not follow from gaps.
-
-        Returns:
-            Zero [F].
-        """
-        return 0.0
-
     def gap_round_off(self) -> float:
         """Norm of the forces that close gaps of the size of their round-off: what multipliers are when bodies touch and
         nothing presses them. Collective.
@@ -343,18 +267,6 @@ class LagrangeContact(ContactOutput):
             The norm [F].
         """
         return float(self._cpp_object.gap_round_off())
-
-    def largest_violation(self) -> str:
-        """A sentence about the node whose gap or slip is largest. Collective."""
-        return str(self._cpp_object.largest_violation())
-
-    def mesh_advice(self) -> str:
-        """A sentence about a sharp edge of the slave with both sides at the master, or an empty text. Collective."""
-        return str(self._cpp_object.mesh_advice())
-
-    def close_nearest(self) -> bool:
-        """Close the nodes nearest to the master, if they nearly touch; were there any? Collective."""
-        return bool(self._cpp_object.close_nearest())
 
     def closing_forces(self) -> None:
         """No force besides: constraints close the nearest nodes. See close_nearest."""
@@ -379,18 +291,6 @@ class LagrangeContact(ContactOutput):
         Collective."""
         found: FloatArray = self._cpp_object.imposed_friction_forces()
         return found if len(found) else None
-
-    def update_nodal_stiffness(self, K: PETSc.Mat) -> None:
-        """Take from the bodies' stiffness what the changes of state need. Collective.
-
-        Args:
-            K: tangent of the bodies [F/L].
-        """
-        self._cpp_object.update_nodal_stiffness(K)
-
-    def tangent(self) -> PETSc.Mat | None:
-        """Geometric stiffness of the contact forces [F/L]; None: it is zero. Collective."""
-        return self._cpp_object.tangent()
 
     def update_linearised_gap(self, increments: FloatArray) -> None:
         """Gaps and slips after a linear solution, linear in its increments. Collective.
@@ -461,15 +361,6 @@ class LagrangeContact(ContactOutput):
         """
         return self._cpp_object.unit_force(int(number))
 
-    def rigid_body_products(self, modes: _cpp.solve.RigidBodyModes) -> FloatArray:
-        """Active constraints applied to the rigid body modes: their products, summed over this rank's rows,
-        (num_modes, num_modes). Collective.
-
-        Args:
-            modes: rigid body modes of the bodies.
-        """
-        return self._cpp_object.rigid_body_products(modes)
-
     # --- results -----------------------------------------------------------------------------------------------------
 
     @property
@@ -482,54 +373,6 @@ class LagrangeContact(ContactOutput):
         """Penetrations in the reference configuration: InitialPenetration (C++)."""
         return self._cpp_object.initial
 
-    @property
-    def points(self) -> FloatArray:
-        """Current positions of the slave's nodes, (n, gdim) [L]."""
-        return self._cpp_object.points
-
-    @property
-    def gap(self) -> FloatArray:
-        """Gap, positive open; infinite where there is no master, (n) [L]."""
-        return self._cpp_object.gap
-
-    @property
-    def pressure(self) -> FloatArray:
-        """Contact pressure per reference area, (n) [F/L^2]."""
-        return self._cpp_object.pressure
-
-    @property
-    def normal(self) -> FloatArray:
-        """Unit normals out of the master, (n, gdim)."""
-        return self._cpp_object.normal
-
-    @property
-    def traction(self) -> FloatArray:
-        """Contact traction on the slave per reference area, (n, gdim) [F/L^2]."""
-        return self._cpp_object.traction
-
-    @property
-    def slip(self) -> FloatArray:
-        """Tangential displacement of slave against master since it last stuck to it, (n, gdim) [L]."""
-        return self._cpp_object.slip
-
-    @property
-    def status(self) -> IntArray:
-        """ContactStatus numbers, (n)."""
-        return self._cpp_object.status
-
-    @property
-    def weight(self) -> FloatArray:
-        """Area that belongs to each point, (n) [L^2]; a length in 2D."""
-        return self._cpp_object.weight
-
-    def covered(self) -> FloatArray:
-        """Part of each point's area that is in contact, (n). Collective."""
-        return self._cpp_object.covered()
-
     def update_totals(self) -> None:
         """Sum up force, moment, area and work of friction of a converged increment. Collective."""
         self._cpp_object.update_totals()
-
-    def contact_forces(self) -> FloatArray:
-        """Nodal contact forces on both bodies, array over owned dofs [F]. Collective."""
-        return self._cpp_object.contact_forces()
