@@ -14,7 +14,8 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common.types import AnyArray, BoolArray, FloatArray, IntArray
 from . import operators
-from .averaged_form import DIRECTION, compile_columns, split_averages
+from ..forms.consistent_tangent import DIRECTION
+from .averaged_form import compile_columns, split_averages
 from .jit import compile_form
 
 
