@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "agree.h"
+#include "OnAllRanks.h"
 #include <stdexcept>
 #include <string>
 
@@ -38,7 +39,7 @@ void agree(MPI_Comm comm, const std::function<void()>& act)
   MPI_Bcast(text.data(), told[1], MPI_CHAR, failed, comm);
   text = "rank " + std::to_string(failed) + ": " + text;
   if (told[0])
-    throw std::invalid_argument(text);
-  throw std::runtime_error(text);
+    throw BadValue(text);
+  throw Failure(text);
 }
 } // namespace dolfinx_impact::common

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Supports.h"
+#include "../common/OnAllRanks.h"
 #include "../common/agree.h"
 #include "../common/gather.h"
 #include <algorithm>
@@ -50,8 +51,8 @@ Supports::Supports(const dolfinx::fem::Function<double>& u, std::vector<Prescrib
     for (const double value : now)
       size = std::max(size, std::abs(value));
     if (common::largest(comm, jump) > start * common::largest(comm, size))
-      throw std::invalid_argument("a prescribed displacement jumps at the start: let u have its value, or use "
-                                  "PrescribedMotion with an amplitude that begins where u is");
+      throw common::BadValue("a prescribed displacement jumps at the start: let u have its value, or use "
+                             "PrescribedMotion with an amplitude that begins where u is");
     _parts.push_back(std::move(part));
   }
 }

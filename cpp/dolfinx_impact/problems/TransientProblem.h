@@ -4,17 +4,18 @@
 #include <cstdint>
 #include <dolfinx/fem/Function.h>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace dolfinx_impact::problems
 {
-/// External nodal forces that do not follow the bodies.
-struct NodalLoad
+/// External nodal forces that do not follow the bodies, times an amplitude.
+struct LoadInTime
 {
-  std::vector<std::int32_t> dofs; ///< owned degrees of freedom
-  std::vector<double> values;     ///< at the amplitude one [F]
-  int column = -1;                ///< of its amplitude in the functions of time; -1: constant
+  std::vector<std::int32_t> dofs;                         ///< owned degrees of freedom
+  std::vector<double> values;                             ///< at the amplitude one [F]
+  std::optional<FunctionOfTime> amplitude = std::nullopt; ///< nothing: one [1]
 };
 
 /// What problems in time share: the motion as functions, supports and loads as functions of time, the present time.
@@ -43,8 +44,10 @@ protected:
   /// Collective.
   /// @param[in] u displacement at the start, becomes that of the present time [L]
   /// @param[in] v velocity at the start, becomes that of the present time; null: at rest [L/T]
+  /// @param[in] functions those of loads; those of supports are added
   /// @throws std::invalid_argument on all ranks for a velocity of another space; as Supports
-  TransientProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, std::vector<PrescribedMotion> motions);
+  TransientProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, std::vector<PrescribedMotion> motions,
+                   FunctionsOfTime functions = {});
 
   MPI_Comm comm() const { return _u->function_space()->mesh()->comm(); }
   /// Number of degrees of freedom that this rank owns.
