@@ -21,9 +21,9 @@ void dolfinx_impact::bindings::problems(nb::module_& m)
              std::vector<Constants> force_constants, std::vector<Constants> tangent_constants,
              std::vector<Function> functions)
           {
-            new (self) AssembledBody(
-                std::move(u), std::move(residual), std::move(tangent), properties,
-                {std::move(force), std::move(force_constants), std::move(tangent_constants), std::move(functions)});
+            new (self) AssembledBody(std::move(u), std::move(residual), std::move(tangent), properties,
+                                     {std::move(force), nullptr, false, std::move(force_constants),
+                                      std::move(tangent_constants), std::move(functions)});
           },
           nb::arg("u"), nb::arg("residual").none(), nb::arg("tangent"), nb::arg("properties"), nb::arg("force").none(),
           nb::arg("force_constants"), nb::arg("tangent_constants"), nb::arg("functions"));

@@ -173,6 +173,7 @@ TEST_CASE("a bar that yields has the stress of its hardening, unloads elasticall
   Pulled bar([](Pulled& p) { return std::make_shared<problems::KernelBody>(p.u, plastic("j2.small.linear")); });
   const double slope = E * H / (E + H), yields = Y / E;
   CHECK(bar.pull(0.5 * yields * length) == Catch::Approx(0.5 * Y).epsilon(1e-9));
+  CHECK(bar.body->stored_energy().value() == Catch::Approx(0.125 * Y * yields * length).epsilon(1e-9));
   const double strain = 4 * yields, stress = Y + slope * (strain - yields);
   CHECK(bar.pull(strain * length, 2) == Catch::Approx(stress).epsilon(1e-9));
   CHECK(bar.iterations <= 6); // converges quadratically, after one iteration that is elastic

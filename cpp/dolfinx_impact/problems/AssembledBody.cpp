@@ -29,7 +29,7 @@ void set_constants(Operator& target, const std::vector<Constants>& constants)
 
 AssembledBody::AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
                              std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
-                             Kernels kernels)
+                             BodyKernels kernels)
     : _u(std::move(u)), _form(std::move(residual)), _tangent(std::move(tangent)), _properties(properties),
       _kernels(std::move(kernels)),
       _values(_u->function_space()->dofmap()->index_map, _u->function_space()->dofmap()->index_map_bs())
@@ -88,6 +88,15 @@ void AssembledBody::accept_step()
 {
   if (_kernels.force)
     _kernels.force->commit();
+}
+
+std::optional<double> AssembledBody::stored_energy()
+{
+  if (!_kernels.energy_is_known)
+    return std::nullopt;
+  double sum = _kernels.force->sum("elastic") + (_kernels.energy ? _kernels.energy->value() : 0.0);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, _u->function_space()->mesh()->comm());
+  return sum;
 }
 
 state::State AssembledBody::state()

@@ -6,6 +6,7 @@
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/la/Vector.h>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace dolfinx_impact::problems
@@ -15,26 +16,28 @@ typedef std::shared_ptr<const dolfinx::fem::Form<double>> Form;
 /// Constants of a form that kernels read, one behind the other: their values are read anew at every call.
 typedef std::vector<std::shared_ptr<const dolfinx::fem::Constant<double>>> Constants;
 
+/// What is assembled by kernels.
+struct BodyKernels
+{
+  std::shared_ptr<operators::InternalForce> force;  ///< residual; it keeps the internal variables
+  std::shared_ptr<operators::InternalForce> energy; ///< of laws without internal variables; null: there are none
+  bool energy_is_known = false;                     ///< it is that of all the force's integrals, and there is no form
+  /// Constants of its integrals and of the tangent's kernels; empty: the integrals have fixed values.
+  std::vector<Constants> force_constants, tangent_constants;
+  /// Functions that they read: their ghosts are updated before every call.
+  std::vector<std::shared_ptr<dolfinx::fem::Function<double>>> functions;
+};
+
 /// Bodies that are assembled by kernels of this project, by forms of DOLFINx, or both: sums of them.
 class AssembledBody : public solve::Body
 {
 public:
-  /// What is assembled by kernels.
-  struct Kernels
-  {
-    std::shared_ptr<operators::InternalForce> force; ///< residual; it keeps the internal variables
-    /// Constants of its integrals and of the tangent's kernels; empty: the integrals have fixed values.
-    std::vector<Constants> force_constants, tangent_constants;
-    /// Functions that they read: their ghosts are updated before every call.
-    std::vector<std::shared_ptr<dolfinx::fem::Function<double>>> functions;
-  };
-
   /// @param[in] u displacement
   /// @param[in] residual form of rank 1 of the residual, or of what is added to that of the kernels; null: nothing
   /// @param[in] tangent its derivative, with that of the kernels
   AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
                 std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
-                Kernels kernels = {});
+                BodyKernels kernels = {});
   ~AssembledBody() override;
   AssembledBody(const AssembledBody&) = delete;
   AssembledBody& operator=(const AssembledBody&) = delete;
@@ -44,7 +47,10 @@ public:
   std::string fault() override;
   void accept_step() override;
   state::State state() override;
+  /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
+  std::optional<double> stored_energy() override;
   bool linear() const override { return _properties.linear; }
+  bool keeps_tangent() const override { return _properties.keeps_tangent; }
   bool symmetric() const override { return _properties.symmetric; }
   bool inelastic() const override { return _properties.inelastic; }
   bool has_inertia() const override { return _properties.has_inertia; }
@@ -65,7 +71,7 @@ private:
   Form _form;
   std::shared_ptr<operators::KernelTangent> _tangent;
   solve::BodyProperties _properties;
-  Kernels _kernels;
+  BodyKernels _kernels;
   dolfinx::la::Vector<double> _values;
   std::vector<double> _loads;
   Vec _residual = nullptr; ///< has the entries of `_values`

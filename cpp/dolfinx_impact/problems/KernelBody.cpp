@@ -3,7 +3,9 @@
 #include "../kernels/KernelTable.h"
 #include "../kernels/constants.h"
 #include <algorithm>
+#include <iterator>
 #include <numeric>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -48,7 +50,7 @@ struct KernelBody::Made
   Form residual;
   std::shared_ptr<operators::KernelTangent> tangent;
   solve::BodyProperties properties;
-  Kernels kernels;
+  BodyKernels kernels;
 };
 
 KernelBody::Made KernelBody::make(std::shared_ptr<dolfinx::fem::Function<double>> u,
@@ -76,13 +78,30 @@ KernelBody::Made KernelBody::make(std::shared_ptr<dolfinx::fem::Function<double>
       tangents.push_back(std::move(integral));
     }
   auto tangent = std::make_shared<operators::KernelTangent>(std::array{V, V}, tangents, read, loads.tangent);
+  BodyKernels kernels{.force = force};
+  std::vector<operators::Integral> energies;
+  kernels.energy_is_known = !loads.residual;
+  for (std::size_t i = 0; i < materials.size() && kernels.energy_is_known; ++i)
+    if (!force->history(first[i])) // others sum their elastic energy up with their force
+      try
+      {
+        std::ranges::move(integrals(*V, materials[i].material, ".energy", materials[i].cells),
+                          std::back_inserter(energies));
+      }
+      catch (const std::runtime_error&)
+      {
+        kernels.energy_is_known = false; // no such kernel
+      }
+  if (!energies.empty())
+    kernels.energy = std::make_shared<operators::InternalForce>(V->mesh(), nullptr, energies, read);
   // Kinematic hardening with recovery and finite strain make tangents of plastic flow unsymmetric.
   const solve::BodyProperties properties{.linear = linear && !inelastic,
+                                         .keeps_tangent = linear && !inelastic,
                                          .symmetric = !inelastic,
                                          .inelastic = inelastic,
                                          .has_springs = loads.has_springs,
                                          .rounds_positions = true};
-  return {std::move(u), loads.residual, std::move(tangent), properties, {std::move(force), {}, {}, {}}};
+  return {std::move(u), loads.residual, std::move(tangent), properties, std::move(kernels)};
 }
 
 KernelBody::KernelBody(Made made)

@@ -9,14 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ... import _cpp
 from ...common.collective import agree, attempt
 from ...common.types import FilePath, FloatArray, IntArray
 from ...contact.saved_history import SavedHistory
 from ...io import checkpoint
 from ...io.signature import functions_of_time
 from ..checkpoints import Checkpoints
-from .energies import Forces
-from .motion import State
 
 if TYPE_CHECKING:
     from ..recorder import Recorder
@@ -45,11 +44,10 @@ class ImplicitRestart(Checkpoints):
 
     def _save(self, path: FilePath) -> None:
         p = self.problem
-        stepper, account, bs = p.stepper, p.account, p.space.dofmap.index_map_bs
-        assert account.forces is not None  # the start has set it
-        values = {name: getattr(stepper.state, name) for name in MOTION}
+        stepper, account, bs = p.stepper, p.stepper.account, p.space.dofmap.index_map_bs
+        values = {name: getattr(stepper.motion, name) for name in MOTION}
         values |= {f"force {name}": getattr(account.forces, name) for name in FORCES}
-        values["start"] = p.start_displacement
+        values["start"] = p._cpp_object.start_displacement
         arrays = {name: v.reshape(-1, bs) for name, v in values.items()}
         nodal: dict[str, tuple[IntArray, FloatArray]] = {}
         facets: dict[str, tuple[IntArray, FloatArray]] = {}
@@ -68,7 +66,7 @@ class ImplicitRestart(Checkpoints):
             **totals,
             "time": stepper.time, "step": stepper.step, "largest": history.largest,
             "total_start": 0.0 if history.total_start is None else history.total_start,
-            "largest_displacement": stepper.largest_displacement,
+            "largest_displacement": p._cpp_object.largest_displacement,
             **{f"work {name}": getattr(account.works, name) for name in WORKS},
             **{f"step {name}": math.nan if value is None else value for name, value in control.items()},
             "obstacles": account.forces.obstacles.ravel(),
@@ -139,14 +137,15 @@ class ImplicitRestart(Checkpoints):
         """Set the problem to the state that was read. Collective."""
         p, a = self.problem, file.attributes
         arrays = {name: np.ascontiguousarray(values).ravel() for name, values in file.arrays.items()}
-        p.start_displacement[:] = arrays["start"]
+        cpp = p._cpp_object
+        cpp.start_displacement = arrays["start"]
         p.u.x.array[: p.num_owned] = arrays["displacement"]
         p.u.x.scatter_forward()
         self._set_material_history(file.cellwise)
         stepper = p.stepper
-        stepper.state = State(*(arrays[name].copy() for name in MOTION))
-        stepper.time, stepper.step = float(a["time"]), int(a["step"])
-        stepper.largest_displacement = float(a["largest_displacement"])
+        cpp.motion = _cpp.integrators.Motion(*(arrays[name] for name in MOTION))
+        cpp.set_time(float(a["time"]), int(a["step"]))
+        cpp.largest_displacement = float(a["largest_displacement"])
         control = {name: float(a[f"step {name}"]) for name in CONTROL}
         tolerance = None if math.isnan(control["tolerance"]) else control["tolerance"]
         stepper.set_control(control["length"], control["largest"], control["smallest"], control["last"], tolerance)
@@ -155,12 +154,9 @@ class ImplicitRestart(Checkpoints):
             saved.totals = saved.split_totals(np.asarray(a[f"contact{k}"]))
             saved.corners = file.arrays.get(f"corners{k}")
             contact.restore_history(saved, p.u.x.array)
-        account = p.account
-        for name in WORKS:
-            setattr(account.works, name, float(a[f"work {name}"]))
-        obstacles = np.asarray(a["obstacles"]).reshape(-1, 3)
-        internal, external, damping, support = (arrays[f"force {name}"].copy() for name in FORCES)
-        account.forces = Forces(internal, external, damping, support, obstacles)
+        cpp.account.works = _cpp.integrators.Works(*(float(a[f"work {name}"]) for name in WORKS))
+        forces = (arrays[f"force {name}"] for name in FORCES)
+        cpp.account.forces = _cpp.integrators.Forces(*forces, np.asarray(a["obstacles"]))
         p.run_history.resume(float(a["total_start"]), float(a["largest"]))
         p.resume()
         self._forget()
