@@ -12,8 +12,8 @@ namespace dolfinx_impact::solve
 /// What is known of bodies; see Body.
 struct BodyProperties
 {
-  bool linear = false, keeps_tangent = false, symmetric = true, inelastic = false, has_inertia = false, has_springs = false,
-       rounds_positions = false;
+  bool linear = false, keeps_tangent = false, symmetric = true, inelastic = false, has_inertia = false,
+       has_springs = false, rounds_positions = false;
 };
 
 /// The bodies of a problem: residual of internal, external and inertia forces, and its derivative. Contact forces are
