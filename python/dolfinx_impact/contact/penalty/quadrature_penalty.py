@@ -23,8 +23,8 @@ class QuadraturePenalty(StaticContactView):
     Args:
         pair: the pair of surfaces.
         problem: the problem.
-        options: penalty, tangential, augmented, tolerance, quadrature_degree and max_augmentations of Penalty; None: the
-            contact chooses.
+        options: penalty, tangential, augmented, tolerance, quadrature_degree and max_augmentations of Penalty; None:
+            the contact chooses.
 
     Attributes:
         has_multipliers: False, there are no multipliers to condense.
