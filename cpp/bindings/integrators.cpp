@@ -162,7 +162,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("set_load", [](CentralDifference& self, std::size_t i, Values values) { self.set_load(i, span(values)); })
       .def("prescribe", [](CentralDifference& self, Indices dofs, Values values, int amplitude)
            { self.prescribe(span(dofs), span(values), amplitude); })
-      .def("add_contact", &CentralDifference::add_contact, nb::arg("contact"), nb::arg("columns"))
+      .def("add_contact", &CentralDifference::add_contact, nb::arg("pair"), nb::arg("columns"))
       .def("set_contact_step", &CentralDifference::set_contact_step)
       .def_prop_ro("contact_step", &CentralDifference::contact_step)
       .def(

@@ -62,9 +62,9 @@ void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<
   _fields.halo->forward(_fields.inverse, _fields.bs);
 }
 
-void CentralDifference::add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
+void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns)
 {
-  _contact.add(std::move(contact), columns);
+  _contact.add(std::move(pair), columns);
 }
 
 void CentralDifference::start(std::span<const double> u, std::span<const double> v)

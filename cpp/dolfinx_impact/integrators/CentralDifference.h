@@ -48,7 +48,7 @@ public:
   /// See PrescribedMotion.
   void prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
   /// See ContactForces.
-  void add_contact(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
+  void add_contact(enforcement::NodalPair pair, std::array<int, 3> columns);
   void set_contact_step(double dt) { _contact.set_step(dt); }
   double contact_step() const { return _contact.step(); }
   /// Look now and then whether owned cells have deformed so far that the stable step may have changed; a run stops

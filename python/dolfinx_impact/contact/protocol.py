@@ -433,6 +433,20 @@ class ExplicitContact(Protocol):
             One contact, or for balanced contact one per direction.
         """
 
+    def saved_force(self, side: int) -> FloatArray:
+        """Force of the last step for a checkpoint, (gdim) [F].
+
+        Args:
+            side: number of the side in `sides`.
+        """
+
+    def restore_force(self, force: FloatArray) -> None:
+        """Set the force of the last step from a checkpoint.
+
+        Args:
+            force: as `saved_force` returned it with the first side [F].
+        """
+
     def reset_history(self) -> None:
         """Reset friction and energies; all nodes become open."""
 

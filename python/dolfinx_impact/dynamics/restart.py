@@ -59,7 +59,7 @@ class Stored:
         tables: entries of each of TABLES, this rank's share.
         sides: C++ contacts.
         histories: packed history of each side, rows by node.
-        sums: energies of each side in the order of ENERGY [F L], then the force on its slave [F], this rank's share.
+        sums: energies of each side in the order of ENERGY [F L], then its `saved_force` [F], this rank's share.
         results: results of each contact, rows by node.
     """
 
@@ -114,8 +114,8 @@ class Restart(Checkpoints):
         for k, contact in enumerate(self.problem.contact):
             for j, side in enumerate(contact.sides()):
                 nodal[f"contact{k}_{j}"] = (side.nodes, _pack(side.history()))
-                energy = [side.own_energy()[name] for name in ENERGY]
-                ranks[f"contact{k}_{j}"] = np.array([*energy, *side.force])
+                energy = [side.energy()[name] for name in ENERGY]
+                ranks[f"contact{k}_{j}"] = np.array([*energy, *contact.saved_force(j)])
         stepper, totals = self.stepper, {}
         for k, contact in enumerate(self.problem.contact):
             rows, totals[f"contact{k}"] = contact.save_results()
@@ -237,7 +237,10 @@ class Restart(Checkpoints):
         for side, history, sums in zip(stored.sides, checked.histories, stored.sums):
             side.set_history(history)
             side.set_energy(*sums[: len(ENERGY)])
-            side.set_force(sums[len(ENERGY) :])  # the next row of the history tells of it
+        sums = iter(stored.sums)
+        for contact in self.problem.contact:
+            first, *_ = [next(sums)[len(ENERGY) :] for _ in contact.sides()]
+            contact.restore_force(first)  # the next row of the history tells of it
         arrays = {name: np.ascontiguousarray(values).ravel() for name, values in stored.file.arrays.items()}
         changes, change = self.stepper.inputs.changes, float(a["input_change"])
         changes.stale, changes.total, changes.allowed = change >= 0.0, max(change, 0.0), float(a["allowed_change"])
