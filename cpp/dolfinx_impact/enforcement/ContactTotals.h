@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../state/State.h"
 #include "ContactStatus.h"
 #include <array>
 #include <mpi.h>
@@ -32,5 +33,10 @@ struct ContactTotals
 
   /// Sum up a converged increment. Collective.
   void update(MPI_Comm comm, const ContactPoints& points);
+  /// Add the totals to what a checkpoint holds, values of its own; not a number where they are not known.
+  void add_to(state::State& saved, int gdim) const;
+  /// Set the totals from such a state.
+  /// @param[in] counted slips of this rank's points [i*gdim + c] [L]
+  void resume(const state::State& saved, std::vector<double> counted);
 };
 } // namespace dolfinx_impact::enforcement
