@@ -81,14 +81,17 @@ void dolfinx_impact::bindings::state(nb::module_& m)
             return found ? nb::cast(copy(*found, {found->size()})) : nb::none();
           },
           nb::arg("place"), "Nodes or facets that rows at a place belong to; None: all")
-      .def("columns", [](const State& self, const std::string& name) { return self.field(name).columns; },
-           nb::arg("name"))
       .def(
-          "at", [](State& self, Place place, nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>
-                                                numbers)
-          { self.at(place, {numbers.data(), numbers.data() + numbers.size()}); }, nb::arg("place"), nb::arg("numbers"),
-          "Say which nodes or facets the rows at a place belong to")
-      .def("rename", [](State& self, std::string name) { self.rename(std::move(name)); }, nb::arg("name"))
+          "columns", [](const State& self, const std::string& name) { return self.field(name).columns; },
+          nb::arg("name"))
+      .def(
+          "at",
+          [](State& self, Place place,
+             nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> numbers)
+          { self.at(place, {numbers.data(), numbers.data() + numbers.size()}); },
+          nb::arg("place"), nb::arg("numbers"), "Say which nodes or facets the rows at a place belong to")
+      .def(
+          "rename", [](State& self, std::string name) { self.rename(std::move(name)); }, nb::arg("name"))
       .def(
           "place", [](const State& self, const std::string& name) { return self.field(name).place; }, nb::arg("name"))
       .def(

@@ -116,7 +116,8 @@ public:
   /// Set the fields of this state that another one has, too, whatever else either has; parts stay.
   /// @throws std::invalid_argument for a field that differs in place, type or size; nothing is changed then
   void assign_common(const State& other);
-  /// First field in which another tree differs in name, place, type or size, or in its nodes or facets, in words; empty if none does.
+  /// First field in which another tree differs in name, place, type or size, or in its nodes or facets, in words; empty
+  /// if none does.
   std::string difference_of_structure(const State& other) const;
   /// First field whose values differ, by its path; empty if all are equal bit for bit.
   /// @throws std::invalid_argument if the structures differ

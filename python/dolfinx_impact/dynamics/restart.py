@@ -129,9 +129,7 @@ class Restart(Checkpoints):
             **{table: short(", ".join(names[table])) for table in TABLES},
         }  # fmt: skip
 
-    def _check(
-        self, path: FilePath, saved: _cpp.state.State, attributes: Mapping[str, Any]
-    ) -> StepSchedule | None:
+    def _check(self, path: FilePath, saved: _cpp.state.State, attributes: Mapping[str, Any]) -> StepSchedule | None:
         """Check the values on this rank.
 
         Returns:

@@ -91,6 +91,22 @@ def input_cells(mesh: Mesh) -> IntArray:
     return mesh.topology.original_cell_index[: mesh.topology.index_map(mesh.topology.dim).size_local]
 
 
+def without_nodes(space: FunctionSpace) -> str:
+    """Describe a field whose values are not those at nodes.
+
+    Args:
+        space: displacement space.
+
+    Returns:
+        The first of them, or an empty text.
+    """
+    if is_mixed(space):
+        return next((str(field) for field in fields_of(space) if not field.is_lagrange), "")
+    element = space.ufl_element()
+    scalar = element.sub_elements[0] if element.block_size > 1 else element
+    return "" if scalar.family_name == "P" else f"element {scalar.family_name}"
+
+
 def places(space: FunctionSpace) -> FloatArray:
     """Undeformed coordinates of this rank's owned nodes.
 
@@ -99,17 +115,12 @@ def places(space: FunctionSpace) -> FloatArray:
 
     Returns:
         Coordinates, (num_nodes, gdim) [L].
-
-    Raises:
-        ValueError: a field of a mixed space has other values than those at nodes.
     """
     num, gdim = space.dofmap.index_map.size_local, space.mesh.geometry.dim
     if not is_mixed(space):
         return space.tabulate_dof_coordinates()[:num, :gdim].copy()
     x = np.zeros((num + space.dofmap.index_map.num_ghosts, gdim))
     for field in fields_of(space):
-        if not field.is_lagrange:
-            raise ValueError(f"checkpoints hold values at nodes, which {field} of u does not have")
         of_field, dofs = space.sub(field.number).collapse()
         x[dofs] = np.repeat(of_field.tabulate_dof_coordinates()[:, :gdim], of_field.dofmap.index_map_bs, axis=0)
     return x[:num].copy()

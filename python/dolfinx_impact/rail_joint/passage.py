@@ -306,7 +306,8 @@ class Passage:
         """
         V = self.model.V
         run = self.run or self._bare(fem.Function(V, name="displacement"))
-        found = checkpoint.Reader(path, in_time(run), dict.fromkeys(numbers["fields"], 3), {}, numbers["history"], {}, ())
+        fields = dict.fromkeys(numbers["fields"], 3)
+        found = checkpoint.Reader(path, in_time(run), fields, {}, numbers["history"], {}, ())
         for name, values in found.arrays.items():
             f = fem.Function(V)
             f.x.array[: values.size] = values.ravel()

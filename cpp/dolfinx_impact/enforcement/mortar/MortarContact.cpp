@@ -189,8 +189,9 @@ state::State MortarContact::state()
 
 state::State MortarContact::saved_state()
 {
-  static const std::string names[] = {"active",    "sliding",           "multiplier", "opening",    "direction",
-                                      "friction_traction", "traction_n", "total_slip", "imposed"};
+  static const std::string names[] = {"active",     "sliding",    "multiplier",
+                                      "opening",    "direction",  "friction_traction",
+                                      "traction_n", "total_slip", "imposed"};
   state::State out = state().copy_of(names);
   for (double& opening : out.values<double>("opening"))
     opening = std::isfinite(opening) ? opening : no_master;

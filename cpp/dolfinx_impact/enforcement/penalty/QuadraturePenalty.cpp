@@ -350,7 +350,8 @@ state::State QuadraturePenalty::saved_state()
   using state::Place;
   const std::size_t per_facet = at().per_facet;
   const state::State now = state();
-  static const std::string first[] = {"multiplier", "touched"}, vectors[] = {"traction", "slip"}, corners[] = {"corners"};
+  static const std::string first[] = {"multiplier", "touched"}, vectors[] = {"traction", "slip"},
+                           corners[] = {"corners"};
   state::State out = now.copy_of(first);
   const std::vector<ContactStatus> points = status();
   std::vector<std::int8_t> numbers(points.size());
