@@ -214,6 +214,26 @@ std::vector<double> PythonContact::covered() const
   return entries<double>(_contact.attr("covered")());
 }
 
+std::optional<std::array<double, 3>> PythonContact::force() const
+{
+  const nb::object force = _contact.attr("force");
+  if (force.is_none())
+    return {};
+  std::array<double, 3> out{};
+  std::ranges::copy(entries<double>(force), out.begin());
+  return out;
+}
+
+double PythonContact::dissipated() const
+{
+  return nb::cast<double>(_contact.attr("dissipated"));
+}
+
+double PythonContact::stored_energy() const
+{
+  return nb::cast<double>(_contact.attr("stored_energy")());
+}
+
 // --- multipliers
 // ------------------------------------------------------------------------------------------------------
 

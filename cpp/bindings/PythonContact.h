@@ -52,6 +52,9 @@ public:
   std::vector<enforcement::ContactStatus> status() const override;
   std::vector<double> weight() const override { return numbers_of("weight"); }
   std::vector<double> covered() const override;
+  std::optional<std::array<double, 3>> force() const override;
+  double dissipated() const override;
+  double stored_energy() const override;
 
   std::span<const std::int32_t> nodes() const override;
   std::span<const std::int64_t> numbers() const override;

@@ -97,7 +97,8 @@ void bind_static_contact(nb::module_& m)
           "status", [](const StaticContact& c) { return numbers(c.status()); }, nb::rv_policy::move)
       .def_prop_ro(
           "weight", [](const StaticContact& c) { return take(c.weight()); }, nb::rv_policy::move)
-      .def("covered", [](const StaticContact& c) { return take(c.covered()); });
+      .def("covered", [](const StaticContact& c) { return take(c.covered()); })
+      .def("stored_energy", &StaticContact::stored_energy, "Energy of the springs of a penalty. Collective");
 }
 } // namespace
 

@@ -4,6 +4,7 @@
 #include "ContactStatus.h"
 #include <array>
 #include <mpi.h>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,6 +32,8 @@ struct ContactTotals
   double dissipated = 0.0;  ///< work of friction so far: in each increment, tractions at its end times its slip [F L]
   std::vector<double> slip; ///< slips of this rank's points whose work is counted; empty: zero [L]
 
+  /// Force on the slave; nothing before the first converged increment [F].
+  std::optional<std::array<double, 3>> known_force() const { return known ? std::optional(force) : std::nullopt; }
   /// Sum up a converged increment. Collective.
   void update(MPI_Comm comm, const ContactPoints& points);
   /// Add the totals to what a checkpoint holds, values of its own; not a number where they are not known.

@@ -135,6 +135,12 @@ public:
   virtual std::vector<double> weight() const = 0;
   /// Part of each point's area that is in contact [1]. Collective.
   virtual std::vector<double> covered() const = 0;
+  /// Force on the slave of all ranks, in the last converged state; nothing before the first [F].
+  virtual std::optional<std::array<double, 3>> force() const = 0;
+  /// Work of friction so far, of all ranks [F L].
+  virtual double dissipated() const = 0;
+  /// Energy of the springs of a penalty, of all ranks; zero with multipliers [F L]. Collective.
+  virtual double stored_energy() const { return 0.0; }
 };
 
 /// A static contact whose normal tractions are unknowns: an active set on the linearised problem. Arrays by node are

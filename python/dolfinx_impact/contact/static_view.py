@@ -94,6 +94,10 @@ class StaticContactView(ContactOutput):
         """Forget candidates and the places of the tangent; see ContactOutput."""
         self._cpp_object.forget()
 
+    def stored_energy(self) -> float:
+        """Energy of the springs of a penalty, of all ranks; zero with multipliers [F L]. Collective."""
+        return float(self._cpp_object.stored_energy())
+
     # --- Newton iterations -------------------------------------------------------------------------------------------
 
     def update_gap(self, u: FloatArray) -> None:

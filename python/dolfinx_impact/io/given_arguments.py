@@ -29,6 +29,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 from ufl.algorithms.analysis import extract_coefficients, extract_constants
 
+from .. import _cpp
 from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
@@ -87,6 +88,10 @@ class GivenArguments:
         """
         if isinstance(value, (ufl.Form, ufl.core.expr.Expr)) and not isinstance(value, fem.Constant):
             self._add_expression(name, value, numbers)
+        elif isinstance(value, _cpp.integrators.ImplicitScheme):
+            self.table[name] = type(value).__name__
+            for key in ("beta", "gamma", "alpha_m", "alpha_f"):
+                self.add(f"{name}.{key}", getattr(value, key))
         elif type(value).__module__.split(".")[0] == __name__.split(".")[0]:
             self.table[name] = type(value).__name__
             self.add_attributes(name, value)

@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.curvature import check_curvature, is_displacement
@@ -30,6 +31,7 @@ from .bodies import assemble_residual, make_body
 from .body import Body, BodyTangent
 from .inelastic_body import InelasticBody
 from .linear_solver import LinearSolver
+from . import newton
 from ..io.mesh_check import check_cells
 from .snes import Solver
 from .load_steps import Report, run_steps
@@ -293,6 +295,21 @@ class StaticProblem(Unique):
     def assemble_residual(self) -> PETSc.Vec:
         """Assemble internal minus external forces, without contact; owned entries are complete [F]. Collective."""
         return assemble_residual(self.u, self.body, self._b)
+
+    @property
+    def equilibrium(self) -> Any:
+        """Bodies and contacts as Newton's method in C++ sees them, EquilibriumProblem (C++)."""
+        return _cpp.solve.EquilibriumProblem(
+            self.u._cpp_object,
+            newton.body_in_cpp(self.u, self.body, self.material is not None),
+            [newton.contact_in_cpp(contact) for contact in self.contact],
+            self.fixed,
+            self.linear_solver._cpp_object,
+            self.axisymmetric,
+            self.keeps_multipliers,
+            self.exact_tangent,
+            newton.field_numbers(self.space),
+        )
 
     def reactions(self) -> fem.Function:
         """Residual of equilibrium: support forces at prescribed degrees of freedom, round-off elsewhere. Collective.

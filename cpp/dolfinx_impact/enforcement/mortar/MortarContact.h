@@ -121,6 +121,8 @@ public:
   std::vector<ContactStatus> status() const override;
   std::vector<double> weight() const override { return _geometry->now().own_cover; }
   std::vector<double> covered() const override;
+  std::optional<std::array<double, 3>> force() const override { return _totals.known_force(); }
+  double dissipated() const override { return _totals.dissipated; }
 
   // --- for those who solve for the multipliers themselves, as rolling does
   /// State of the nodes. Sizes stay as they are.

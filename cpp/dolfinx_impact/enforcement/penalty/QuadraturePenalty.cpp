@@ -618,6 +618,27 @@ std::vector<double> QuadraturePenalty::traction() const
   return out;
 }
 
+double QuadraturePenalty::stored_energy() const
+{
+  if (_penalty == 0.0 || _tangential == 0.0)
+    return 0.0;
+  const std::vector<double> pressures = pressure(), tractions = traction(), normals = normal(), weights = weight();
+  const std::size_t gdim = _space->mesh()->geometry().dim();
+  double out = 0.0;
+  for (std::size_t i = 0; i < pressures.size(); ++i)
+  {
+    double density = 0.5 * pressures[i] * pressures[i] / _penalty;
+    if (has_friction())
+      for (std::size_t c = 0; c < gdim; ++c)
+      {
+        const double tangential = tractions[i * gdim + c] - pressures[i] * normals[i * gdim + c];
+        density += 0.5 * tangential * tangential / _tangential;
+      }
+    out += weights[i] * density;
+  }
+  return sum_over_ranks(out);
+}
+
 std::vector<double> QuadraturePenalty::covered() const
 {
   const std::vector<ContactStatus> now = status();

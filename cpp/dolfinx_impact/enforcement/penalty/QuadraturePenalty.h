@@ -89,6 +89,9 @@ public:
   std::vector<ContactStatus> status() const override;
   std::vector<double> weight() const override { return _forces.points().weight; }
   std::vector<double> covered() const override;
+  std::optional<std::array<double, 3>> force() const override { return _totals.known_force(); }
+  double dissipated() const override { return _totals.dissipated; }
+  double stored_energy() const override;
 
   /// Penalty in use; 0 before the first increment with an automatic one [F/L^3].
   double penalty() const { return _penalty; }

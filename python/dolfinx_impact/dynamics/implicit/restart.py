@@ -18,8 +18,6 @@ from ...io.checkpoint import Attribute
 from ...io.checkpoints import Checkpoints, Place, number, refuse
 from ...io.signature import functions_of_time
 from ..subject import check_nodal, in_time
-from .energies import Forces
-from .motion import State
 
 if TYPE_CHECKING:
     from ..recorder import Recorder
@@ -53,12 +51,12 @@ class ImplicitRestart(Checkpoints):
 
     def _state(self) -> _cpp.state.State:
         p = self.problem
-        stepper, account, bs, history = p.stepper, p.account, p.space.dofmap.index_map_bs, p.run_history
-        assert account.forces is not None  # the start has set it
+        stepper, account, history = p.stepper, p.stepper.account, p.run_history
+        bs = p.space.dofmap.index_map_bs
         out = checkpoints.State("implicit problem")
-        vectors = {name: getattr(stepper.state, name) for name in MOTION}
+        vectors = {name: getattr(stepper.motion, name) for name in MOTION}
         vectors |= {f"force {name}": getattr(account.forces, name) for name in FORCES}
-        vectors["start"] = p.start_displacement
+        vectors["start"] = p._cpp_object.start_displacement
         for name, values in vectors.items():
             out.add(name, Place.node, np.ascontiguousarray(values).reshape(-1, bs))
         checkpoints.add_history(out, p)
@@ -66,7 +64,7 @@ class ImplicitRestart(Checkpoints):
         checkpoints.add_numbers(
             out, time=stepper.time, step=stepper.step, largest=history.largest,
             total_start=0.0 if history.total_start is None else history.total_start,
-            largest_displacement=stepper.largest_displacement,
+            largest_displacement=p._cpp_object.largest_displacement,
             **{f"work {name}": getattr(account.works, name) for name in WORKS},
             **{f"step {name}": math.nan if value is None else value for name, value in control.items()},
         )  # fmt: skip
@@ -94,23 +92,22 @@ class ImplicitRestart(Checkpoints):
         checkpoints.check_functions(path, attributes["functions of time"], self.problem.functions, time, time)
 
     def _apply(self, saved: _cpp.state.State, attributes: Mapping[str, Any], checked: Any) -> None:
-        p = self.problem
-        stepper, account = p.stepper, p.account
-        p.start_displacement[:] = saved.array("start").ravel()
+        p, stepper = self.problem, self.problem.stepper
+        cpp = p._cpp_object
+        cpp.start_displacement = saved.array("start").flatten()
         p.u.x.array[: p.num_owned] = saved.array("displacement").ravel()
         p.u.x.scatter_forward()
         checkpoints.set_history(saved, p)
-        stepper.state = State(*(saved.array(name).flatten() for name in MOTION))
-        stepper.time, stepper.step = number(saved, "time"), int(number(saved, "step"))
-        stepper.largest_displacement = number(saved, "largest_displacement")
+        cpp.motion = _cpp.integrators.Motion(*(saved.array(name).flatten() for name in MOTION))
+        cpp.set_time(number(saved, "time"), int(number(saved, "step")))
+        cpp.largest_displacement = number(saved, "largest_displacement")
         control = {name: number(saved, f"step {name}") for name in CONTROL}
         tolerance = None if math.isnan(control["tolerance"]) else control["tolerance"]
         stepper.set_control(control["length"], control["largest"], control["smallest"], control["last"], tolerance)
         resume_contacts(saved, p.contact, p.u.x.array)
-        for name in WORKS:
-            setattr(account.works, name, number(saved, f"work {name}"))
-        internal, external, damping, support = (saved.array(f"force {name}").flatten() for name in FORCES)
-        account.forces = Forces(internal, external, damping, support, saved.array("obstacles").reshape(-1, 3).copy())
+        cpp.account.works = _cpp.integrators.Works(*(number(saved, f"work {name}") for name in WORKS))
+        forces = (saved.array(f"force {name}").flatten() for name in FORCES)
+        cpp.account.forces = _cpp.integrators.Forces(*forces, saved.array("obstacles").copy())
         p.run_history.resume(number(saved, "total_start"), number(saved, "largest"))
         p.resume()
 

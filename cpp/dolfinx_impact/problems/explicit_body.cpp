@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "explicit_body.h"
+#include "../common/OnAllRanks.h"
+#include "../common/agree.h"
+#include "../kernels/KernelTable.h"
+#include "../kernels/constants.h"
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string_view>
+
+namespace dolfinx_impact::problems
+{
+namespace
+{
+using operators::Integral;
+typedef dolfinx::fem::Function<double> Function;
+typedef std::map<std::string, std::shared_ptr<const Function>> Coefficients;
+
+/// Finds kernels for the cells of a space, with constants and cells.
+class Kernels
+{
+public:
+  explicit Kernels(const dolfinx::fem::FunctionSpace<double>& V)
+      : _key{"", dolfinx::mesh::to_string(V.mesh()->topology()->cell_type()), V.element()->basix_element().degree(),
+             V.mesh()->geometry().cmap().degree()}
+  {
+  }
+
+  std::vector<const impact_kernel*> find(const std::string& name, const std::string& hypothesis) const
+  {
+    kernels::Key key = _key;
+    key.name = name;
+    key.hypothesis = hypothesis;
+    return kernels::find(key);
+  }
+  const impact_kernel& one(const std::string& name, const std::string& hypothesis) const
+  {
+    const auto found = find(name, hypothesis);
+    if (found.size() != 1)
+      throw std::runtime_error("there are " + std::to_string(found.size()) + " kernels " + name + ", one is needed");
+    return *found[0];
+  }
+  int degree() const { return _key.degree; }
+  bool simplices() const { return _key.cell == "triangle" || _key.cell == "tetrahedron"; }
+
+private:
+  kernels::Key _key;
+};
+
+/// Has the law internal variables? Then its kernels of forces have its name alone.
+bool is_plastic(const KernelMaterial& law)
+{
+  return law.name.starts_with("j2.");
+}
+
+/// The elastic law that bounds frequencies and damps.
+std::string elastic_name(const KernelMaterial& law)
+{
+  return is_plastic(law) ? "linear_elastic" : law.name;
+}
+
+std::string tangent_name(const KernelMaterial& law)
+{
+  return law.name.starts_with("j2.finite") ? "elastic_stiffness.finite" : elastic_name(law) + ".tangent";
+}
+
+bool reads(const impact_kernel& kernel, std::string_view name)
+{
+  return std::any_of(kernel.coefficients, kernel.coefficients + kernel.num_coefficients,
+                     [&](const impact_coefficient& c) { return c.name == name; });
+}
+
+/// Forces of integrals: those of cells without ghost nodes, and the others.
+integrators::FormForces split(const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>>& V,
+                              const std::vector<Integral>& integrals, const Coefficients& coefficients)
+{
+  const auto& dofmap = *V->dofmap();
+  const std::int32_t owned = dofmap.index_map->size_local();
+  std::vector<Integral> inner, outer;
+  std::string u, v;
+  for (const Integral& integral : integrals)
+  {
+    Integral in{integral.kernel, {}, integral.constants}, out = in;
+    for (const std::int32_t cell : integral.entities)
+      (std::ranges::any_of(dofmap.cell_dofs(cell), [&](std::int32_t node) { return node >= owned; }) ? out : in)
+          .entities.push_back(cell);
+    inner.push_back(std::move(in));
+    outer.push_back(std::move(out));
+    u = reads(*integral.kernel, "u") ? "u" : u;
+    v = reads(*integral.kernel, "velocity") ? "velocity" : v;
+  }
+  const auto make = [&](const std::vector<Integral>& part)
+  {
+    auto force = std::make_shared<operators::InternalForce>(V->mesh(), V, part, coefficients);
+    force->set_in_place(true);
+    return force;
+  };
+  return {make(inner), make(outer), u, v};
+}
+
+/// Masses of a material's cells by local degree of freedom.
+std::vector<double> cell_masses(const Kernels& kernels, const dolfinx::fem::FunctionSpace<double>& V,
+                                const ExplicitMaterial& material, const std::vector<std::int32_t>& cells,
+                                Lumping lumping)
+{
+  const std::string& hypothesis = material.law.hypothesis;
+  if (lumping == Lumping::automatic)
+    lumping = kernels.degree() == 1                                 ? Lumping::row_sum
+              : kernels.simplices() || hypothesis == "axisymmetric" ? Lumping::hrz
+                                                                    : Lumping::nodal;
+  const auto integral = [&](const char* name)
+  { return Integral{&kernels.one(name, hypothesis), cells, {material.density}}; };
+  if (lumping == Lumping::hrz)
+    return operators::cell_masses_hrz(integral("mass"), V);
+  return operators::cell_masses_nodal(integral(lumping == Lumping::nodal ? "nodal_mass" : "row_sum"),
+                                      integral("row_sum"), V);
+}
+} // namespace
+
+ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector<ExplicitMaterial>& materials,
+                           const ExplicitBodyOptions& options, const dolfinx::mesh::MeshTags<std::int32_t>* tags)
+{
+  const auto V = u->function_space();
+  const auto& topology = *V->mesh()->topology();
+  const std::int32_t num_cells = topology.index_map(topology.dim())->size_local();
+  const std::size_t width = std::size_t(V->dofmap()->bs()) * V->dofmap()->element_dof_layout().num_dofs();
+  const Kernels kernels(*V);
+  const auto velocity = std::make_shared<Function>(V);
+  const Coefficients both{{"u", u}, {"velocity", velocity}};
+  ExplicitBody body;
+  body.damping = {options.alpha, options.beta, options.bulk_viscosity[0]};
+  std::vector<Integral> forces, damping, viscosity;
+  std::vector<operators::CellBounds::Part> stiffness;
+  std::vector<double> masses(std::size_t(num_cells) * width, 0.0);
+  std::vector<std::int8_t> seen(num_cells, 0);
+  bool linear = true;
+  const std::size_t num_plastic =
+      std::ranges::count_if(materials, [](const ExplicitMaterial& m) { return is_plastic(m.law); });
+  if (num_plastic > 0 && num_plastic < materials.size())
+    throw std::invalid_argument("materials with and without internal variables: the elastic energy of the latter is "
+                                "not known; give all of them internal variables, with a yield stress that is not met");
+  const auto add = [&](const ExplicitMaterial& material)
+  {
+    const KernelMaterial& law = material.law;
+    if (!(material.density > 0.0))
+      throw std::invalid_argument("the density of " + law.name + " must be positive");
+    std::vector<std::int32_t> cells;
+    for (std::int32_t cell = 0; !material.tag && cell < num_cells; ++cell)
+      cells.push_back(cell);
+    if (material.tag && !tags)
+      throw std::invalid_argument("a material has a tag, but no tags of cells were given");
+    for (std::size_t k = 0; material.tag && k < tags->indices().size(); ++k)
+      if (tags->values()[k] == *material.tag && tags->indices()[k] < num_cells)
+        cells.push_back(tags->indices()[k]);
+    std::map<std::string, std::vector<double>> constants = law.constants;
+    constants["density"] = {material.density};
+    constants["beta"] = {options.beta};
+    constants["linear"] = {options.bulk_viscosity[0]};
+    constants["quadratic"] = {options.bulk_viscosity[1]};
+    const auto append = [&](std::vector<Integral>& out, const std::string& name)
+    {
+      for (const impact_kernel* kernel : kernels.find(name, law.hypothesis))
+        out.push_back({kernel, cells, kernels::constants(*kernel, constants)});
+    };
+    append(forces, is_plastic(law) ? law.name : law.name + ".force");
+    if (options.beta > 0.0)
+      append(damping, elastic_name(law) + ".damping");
+    if (options.bulk_viscosity != std::array<double, 2>{})
+      append(viscosity, elastic_name(law) + ".viscosity");
+    std::vector<Integral> tangents;
+    append(tangents, tangent_name(law));
+    for (Integral& tangent : tangents)
+    {
+      const bool varies = reads(*tangent.kernel, "u");
+      linear = linear && !varies;
+      stiffness.push_back({std::move(tangent), varies ? Coefficients{{"u", u}} : Coefficients{}, varies});
+    }
+    const std::vector<double> m = cell_masses(kernels, *V, material, cells, options.lumping);
+    for (std::size_t k = 0; k < cells.size(); ++k)
+    {
+      if (seen[cells[k]])
+        throw std::invalid_argument("a cell has two materials");
+      seen[cells[k]] = 1;
+      std::copy_n(m.begin() + std::ptrdiff_t(k * width), width,
+                  masses.begin() + std::ptrdiff_t(std::size_t(cells[k]) * width));
+    }
+  };
+  common::agree(V->mesh()->comm(),
+                [&]
+                {
+                  for (const ExplicitMaterial& material : materials)
+                    add(material);
+                  if (std::ranges::any_of(seen, [](std::int8_t one) { return !one; }))
+                    throw std::invalid_argument("a cell has no material");
+                });
+  body.internal = split(V, forces, {{"u", u}});
+  body.linear = linear && num_plastic == 0;
+  if (!damping.empty())
+    body.terms.push_back({split(V, damping, both), integrators::WorkKind::damping});
+  if (!viscosity.empty())
+    body.terms.push_back({split(V, viscosity, both), integrators::WorkKind::viscosity});
+  body.frequencies = std::make_shared<integrators::CellFrequencies>(
+      V, operators::CellBounds(V, std::move(stiffness)), std::nullopt, [m = std::move(masses)] { return m; });
+  if (options.mass_scaling)
+    body.frequencies->scale_mass(*options.mass_scaling);
+  body.mass = body.frequencies->nodal_masses();
+  const std::int32_t owned = V->dofmap()->index_map->size_local() * V->dofmap()->index_map_bs();
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::int32_t i = 0; i < owned; ++i)
+    smallest = std::min(smallest, body.mass[i]);
+  MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, V->mesh()->comm());
+  if (!(smallest > 0.0))
+    throw common::BadValue("a node has no mass: use Lumping::hrz, and check that every cell has a volume");
+  body.kind = {.watched = !linear, .periodic = !linear && num_plastic > 0, .flows = num_plastic > 0};
+  return body;
+}
+} // namespace dolfinx_impact::problems
