@@ -78,26 +78,17 @@ class Restart(Checkpoints):
 
     def _state(self) -> _cpp.state.State:
         self.stepper.refresh()
-        return self._described(self.integrator.save())
+        return self._with(self.integrator.saved_state())
 
     def _like(self) -> _cpp.state.State:
-        size = self.problem.num_owned
-        names = self.integrator.saved_names()
-        arrays = {name: np.zeros(size) for name in names["arrays"]}
-        return self._described({**{table: dict.fromkeys(names[table], 0.0) for table in TABLES}, "arrays": arrays})
+        return self._with(self.integrator.empty_state())
 
-    def _described(self, saved: Mapping[str, Mapping[str, Any]]) -> _cpp.state.State:
-        """The state, with what the integrator holds as it has saved it."""
+    def _with(self, integrator: _cpp.state.State) -> _cpp.state.State:
+        """The state with that of the integrator."""
         stepper, bs = self.stepper, self.problem.space.dofmap.index_map_bs
         history, watch, changes = stepper.history, stepper.watch, stepper.inputs.changes
         out = State("explicit problem")
-        for name, values in saved["arrays"].items():
-            out.add(name, Place.node, np.ascontiguousarray(values).reshape(-1, bs))
-        for table in TABLES:
-            part = State(table)
-            for name, value in saved[table].items():
-                part.add(name, Place.rank, np.array([value]))
-            out.add(part)
+        out.add(integrator)
         checkpoints.add_numbers(
             out, time=stepper.time, next_time=stepper.next_time, step=stepper.step, safe_step=stepper.safe_step,
             nominal_step=stepper.nominal_step, check_step=stepper.check_step, check_interval=stepper.check_interval,
@@ -123,11 +114,12 @@ class Restart(Checkpoints):
         steps = [s.begin, s.until, s.first, s.last, s.auto] if s else []
         table, error = attempt(functions_of_time, stepper.functions, stepper.time, stepper.next_time)
         agree(self.comm, error, "functions of time")
-        names = self.integrator.saved_names()
-        return {
-            "schedule": np.array(steps, dtype=float), "functions of time": table,
-            **{table: short(", ".join(names[table])) for table in TABLES},
-        }  # fmt: skip
+        return {"schedule": np.array(steps, dtype=float), "functions of time": table, **self._names()}
+
+    def _names(self) -> dict[str, str]:
+        """Names in TABLES as texts."""
+        parts = self.integrator.empty_state()
+        return {table: short(", ".join(parts.part(table).names)) for table in TABLES}
 
     def _check(self, path: FilePath, saved: _cpp.state.State, attributes: Mapping[str, Any]) -> StepSchedule | None:
         """Check the values on this rank.
@@ -160,10 +152,9 @@ class Restart(Checkpoints):
             )
             want(all(np.all(r >= 0.0) for r in of_cells), "the watch of the stable step has negative values")
         schedule = _schedule(attributes["schedule"], want, time, step)
-        names = self.integrator.saved_names()
-        for table in TABLES:
-            want(str(attributes[table]) == short(", ".join(names[table])), f"{table} are {attributes[table]!r}")
-        common = _numbers(saved.part("common"))
+        for table, names in self._names().items():
+            want(str(attributes[table]) == names, f"{table} are {attributes[table]!r}")
+        common = _numbers(saved.part("integrator").part("common"))
         numbers = [value for name, value in common.items() if name != "contact_step"]  # infinite where nothing limits
         want(np.all(np.isfinite(numbers)), "the table ranks/common has values that are no numbers")
         want(common["reference"] >= 0.0 and common["largest"] >= 0.0, "energies of ranks/common")
@@ -193,8 +184,7 @@ class Restart(Checkpoints):
         if watch is not None:
             squares, rates, since = (saved.array(f"watch {name}").copy() for name in WATCH)
             watch.resume(squares, rates, since, saved.array("watch").flatten(), number(saved, "sensitivity"))
-        arrays = {name: saved.array(name).flatten() for name in self.integrator.saved_names()["arrays"]}
-        self.integrator.restore(arrays, *(_numbers(saved.part(table)) for table in TABLES))
+        self.integrator.resume(saved.part("integrator"))
         step = int(number(saved, "step"))
         # `resume` gives the integrator loads and prescribed motion, which acceleration and velocity depend on.
         stepper.resume(

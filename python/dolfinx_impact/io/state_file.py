@@ -91,13 +91,17 @@ def blocks(state: _cpp.state.State) -> Iterator[Block]:
     """Tables and attributes of a state.
 
     Args:
-        state: the tree; parts have no parts.
+        state: the tree; its parts at any depth have names of their own.
 
     Yields:
         Each of them.
     """
     for field in state.names:
         yield Block(field, state.place(field), state, [field])
+    yield from _blocks_of_parts(state)
+
+
+def _blocks_of_parts(state: _cpp.state.State) -> Iterator[Block]:
     for name in state.parts:
         part = state.part(name)
         number = name[len(name.rstrip("0123456789")) :]
@@ -109,6 +113,7 @@ def blocks(state: _cpp.state.State) -> Iterator[Block]:
                 yield from (Block(f"{f}{number}", place, part, [f]) for f in fields)
             elif fields:
                 yield Block(name, place, part, fields)
+        yield from _blocks_of_parts(part)
 
 
 def write(
