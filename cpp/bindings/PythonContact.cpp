@@ -75,6 +75,16 @@ state::State PythonContact::state()
   return nb::cast<state::State>(_contact.attr("state")());
 }
 
+state::State PythonContact::saved_state()
+{
+  return nb::cast<state::State>(_contact.attr("saved_state")());
+}
+
+void PythonContact::resume(const state::State& saved, std::span<const double> u)
+{
+  _contact.attr("resume")(saved, array(u));
+}
+
 void PythonContact::accept_step()
 {
   _contact.attr("accept_step")();

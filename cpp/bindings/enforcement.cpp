@@ -66,6 +66,10 @@ void bind_static_contact(nb::module_& m)
       .def("largest_violation", &StaticContact::largest_violation)
       .def("mesh_advice", &StaticContact::mesh_advice)
       .def("smallest_gap", &StaticContact::smallest_gap)
+      .def("saved_state", &StaticContact::saved_state, "What a checkpoint holds of the last converged state")
+      .def(
+          "resume", [](StaticContact& c, const dolfinx_impact::state::State& saved, Values u)
+          { c.resume(saved, view(u)); }, nb::arg("saved"), nb::arg("u"), "Continue from a checkpoint. Collective")
       .def("forget", &StaticContact::forget)
       .def(
           "rigid_body_products",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "dolfinx_impact/integrators/newmark/ImplicitStepper.h"
+#include "dolfinx_impact/integrators/newmark/MassRedistribution.h"
 #include "dolfinx_impact/integrators/newmark/StepControl.h"
+#include "dolfinx_impact/integrators/newmark/highest_frequency.h"
 #include "masks.h"
 #include "petsc_objects.h"
 #include <nanobind/stl/function.h>
@@ -180,6 +182,27 @@ void bind_motion(nb::module_& m)
 
 void bind_bodies(nb::module_& m)
 {
+  nb::class_<MassRedistribution>(m, "MassRedistribution", "Cells that pass the mass of contact nodes on")
+      .def(
+          "__init__",
+          [](MassRedistribution* self, std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> V, Indices facets)
+          { new (self) MassRedistribution(std::move(V), {facets.data(), facets.size()}); }, nb::arg("V"),
+          nb::arg("facets"), "Collective")
+      .def_prop_ro("on_surface", [](const MassRedistribution& self) { return mask(self.on_surface()); })
+      .def_prop_ro("massless", [](const MassRedistribution& self) { return mask(self.massless()); })
+      .def_prop_ro("cells", [](const MassRedistribution& self) { return array(self.cells()); })
+      .def(
+          "matrix", [](const MassRedistribution& self, std::int32_t cell, Array M)
+          { return take(self.matrix(cell, view(M)), {M.shape(0), M.shape(0)}); }, nb::arg("cell"), nb::arg("M"),
+          "Mass matrix of a cell after redistribution")
+      .def(
+          "lumped", [](const MassRedistribution& self, std::int32_t cell, Array masses)
+          { return take(self.lumped(cell, view(masses))); }, nb::arg("cell"), nb::arg("masses"),
+          "Lumped masses of a cell after redistribution");
+  m.def(
+      "highest_frequency",
+      [](Mat stiffness, Mat mass, Mask held) { return highest_frequency(stiffness, mass, view(held)); },
+      nb::arg("stiffness"), nb::arg("mass"), nb::arg("held"), "Highest angular frequency. Collective");
   nb::class_<Inertia>(m, "Inertia", "Mass matrix, and the degrees of freedom that have no mass")
       .def(
           "__init__",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../state/State.h"
 #include "ContactStatus.h"
 #include <array>
 #include <mpi.h>
@@ -35,5 +36,10 @@ struct ContactTotals
   std::optional<std::array<double, 3>> known_force() const { return known ? std::optional(force) : std::nullopt; }
   /// Sum up a converged increment. Collective.
   void update(MPI_Comm comm, const ContactPoints& points);
+  /// Add the totals to what a checkpoint holds, values of its own; not a number where they are not known.
+  void add_to(state::State& saved, int gdim) const;
+  /// Set the totals from such a state.
+  /// @param[in] counted slips of this rank's points [i*gdim + c] [L]
+  void resume(const state::State& saved, std::vector<double> counted);
 };
 } // namespace dolfinx_impact::enforcement

@@ -98,6 +98,11 @@ public:
   virtual std::string mesh_advice() const { return ""; }
   /// Smallest gap of all ranks; infinite where no point has a master [L].
   virtual double smallest_gap() const = 0;
+  /// What a checkpoint holds of the last converged state, values of its own. Not collective.
+  virtual state::State saved_state() = 0;
+  /// Continue from what `saved_state` of the same contact has returned, on these ranks or others.
+  /// @param[in] u displacements of the checkpoint, owned and ghosts [L]
+  virtual void resume(const state::State& saved, std::span<const double> u) = 0;
   /// Forget what a checkpoint does not have, candidates of the search and places of matrices, so that the next step is
   /// that of a restored run. Not collective.
   virtual void forget() = 0;

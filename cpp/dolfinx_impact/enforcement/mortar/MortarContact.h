@@ -78,6 +78,8 @@ public:
   std::string largest_violation() const override;
   std::string mesh_advice() const override;
   double smallest_gap() const override;
+  state::State saved_state() override;
+  void resume(const state::State& saved, std::span<const double> u) override;
   void forget() override { _geometry->forget(); }
   std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const override;
   bool close_nearest() override;

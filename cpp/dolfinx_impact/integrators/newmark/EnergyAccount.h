@@ -4,6 +4,7 @@
 #include <array>
 #include <mpi.h>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace dolfinx_impact::integrators
@@ -43,6 +44,22 @@ public:
   /// @param[in] from, to displacements of rigid masters then [L]
   void add_step(MPI_Comm comm, Forces forces, std::span<const double> before, std::span<const double> after,
                 std::span<const std::array<double, 3>> from, std::span<const std::array<double, 3>> to);
+
+  /// @param[in] block_size degrees of freedom of a node
+  state::State state(std::size_t block_size)
+  {
+    state::State out("account");
+    out.add("internal", state::Place::node, _forces.internal, block_size);
+    out.add("external", state::Place::node, _forces.external, block_size);
+    out.add("damping", state::Place::node, _forces.damping, block_size);
+    out.add("support", state::Place::node, _forces.support, block_size);
+    for (std::size_t k = 0; k < _forces.obstacles.size(); ++k)
+      out.add("obstacle " + std::to_string(k), state::Place::all, state::View(std::span(_forces.obstacles[k])), 3);
+    out.add("internal work", state::Place::all, _works.internal);
+    out.add("external work", state::Place::all, _works.external);
+    out.add("damping work", state::Place::all, _works.damping);
+    return out;
+  }
 
 private:
   Forces _forces;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ImplicitStepper.h"
+#include "../../common/OnAllRanks.h"
 #include "../../common/text.h"
 #include "../../operators/petsc_check.h"
 #include <algorithm>
@@ -149,8 +150,29 @@ void ImplicitStepper::start(std::optional<double> step)
   _account.set_forces(forces(_motion, values));
 }
 
+state::State ImplicitStepper::state()
+{
+  const std::size_t bs = _equations->space().dofmap()->index_map_bs();
+  state::State out("implicit problem");
+  out.add("time", state::Place::all, _time);
+  out.add("step", state::Place::all, _number);
+  out.add("start", state::Place::node, _start_displacement, bs);
+  out.add("largest displacement", state::Place::all, _largest_displacement);
+  out.add(_motion.state(bs));
+  out.add(_account.state(bs));
+  for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
+  {
+    state::State part("contact " + std::to_string(k));
+    part.add(_equations->contacts[k]->state());
+    out.add(std::move(part));
+  }
+  return out;
+}
+
 void ImplicitStepper::resume()
 {
+  std::ranges::copy(_motion.displacement, u().begin());
+  _equations->u->x()->scatter_fwd();
   show_motion();
   const TimeValues values = _excitation->sample({}, _time);
   _places = values.places;
@@ -285,7 +307,13 @@ void ImplicitStepper::take_step(double goal, StepControl& control, const Solver&
           increment.failed(found, true);
       }
     }
-    catch (...) // an interrupt, a user's function: return to the last converged state
+    catch (const common::OnAllRanks&)
+    {
+      go_back(before);
+      update_gaps();
+      throw;
+    }
+    catch (...) // an interrupt, a user's function on one rank alone: return to the last converged state
     {
       go_back(before);
       throw;
@@ -314,11 +342,11 @@ void ImplicitStepper::take_step(double goal, StepControl& control, const Solver&
     if (hopeless || !control.failed(step))
     {
       update(_time);
-      throw std::runtime_error(increment.fault +
-                               (hopeless ? " (at the time " + text("%.6g", end) + ")"
-                                         : " in the step to the time " + text("%.6g", end) + ", of length " +
-                                               text("%.3e", step) + "; the problem is at the time " +
-                                               text("%.6g", _time) + ". Take a smaller step, or pass more iterations"));
+      throw common::Failure(increment.fault +
+                            (hopeless ? " (at the time " + text("%.6g", end) + ")"
+                                      : " in the step to the time " + text("%.6g", end) + ", of length " +
+                                            text("%.3e", step) + "; the problem is at the time " + text("%.6g", _time) +
+                                            ". Take a smaller step, or pass more iterations"));
     }
     ++_cut_backs;
     log("  cut back to a step of " + text("%.3e", control.length()) + ": " + increment.fault);

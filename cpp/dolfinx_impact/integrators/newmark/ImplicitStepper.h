@@ -43,13 +43,16 @@ public:
   /// Begin with the present functions: accelerations are in equilibrium with bodies, loads and springs of contact.
   /// Collective.
   /// @param[in] step over which prescribed motion can be differentiated; nothing: it is not known [T]
-  /// @throws std::runtime_error if the accelerations are not found
+  /// @throws common::Failure if the accelerations are not found
   void start(std::optional<double> step);
   /// Continue from a motion, time, step, works and forces that have been set: compute what follows from them.
   /// Collective.
   void resume();
+  /// Motion, forces, works, contacts and the time as named arrays: assigned, they are what `resume` goes on from. Not
+  /// collective.
+  state::State state();
   /// Take one step on the way to a time. Collective.
-  /// @throws std::runtime_error a step did not converge with the smallest length; the problem is in its last converged
+  /// @throws common::Failure a step did not converge with the smallest length; the problem is in its last converged
   /// state then, as after exceptions of `solver` and events, after which `update_gaps` is to be called if all ranks can
   void take_step(double goal, StepControl& control, const Solver& solver, const ImplicitEvents& events = {});
   /// Compute the gaps of the present displacement anew. Collective.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Inertia.h"
+#include "../../common/OnAllRanks.h"
 #include "../../common/text.h"
 #include "../../operators/petsc_check.h"
 #include <cmath>
@@ -114,9 +115,9 @@ std::vector<double> Inertia::accelerations(std::span<const double> forces, std::
   MatDestroy(&matrix);
   const double left = norm(comm, missing()), all = norm(comm, rest);
   if (!(left <= enough * all))
-    throw std::runtime_error("the accelerations at the start were not found in " + std::to_string(iterations) +
-                             " iterations: the residual is " + common::text("%.1e", left) + ", the forces " +
-                             common::text("%.1e", all));
+    throw common::Failure("the accelerations at the start were not found in " + std::to_string(iterations) +
+                          " iterations: the residual is " + common::text("%.1e", left) + ", the forces " +
+                          common::text("%.1e", all));
   return a;
 }
 } // namespace dolfinx_impact::integrators

@@ -25,7 +25,7 @@ public:
   /// @param[in] fixed mask of degrees of freedom with given accelerations
   /// @param[in] given accelerations, owned, of which those of `fixed` are read [L/T^2]
   /// @returns accelerations, owned [L/T^2]
-  /// @throws std::runtime_error if conjugate gradients do not converge
+  /// @throws common::Failure if conjugate gradients do not converge
   std::vector<double> accelerations(std::span<const double> forces, std::span<const std::int8_t> fixed,
                                     std::span<const double> given) const;
 

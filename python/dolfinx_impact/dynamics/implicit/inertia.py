@@ -122,11 +122,10 @@ class Inertia(Described):
     def _redistribute(self, consistent: ConsistentMass, surface: MassRedistribution) -> None:
         """Replace the matrix M_e of each cell at the surface by T^T M_e T; see MassRedistribution. Collective."""
         dofmap = self.space.dofmap
-        identity = np.eye(dofmap.bs)
         for cell, matrix in consistent.of_cells(surface.cells):
-            T = np.kron(surface.weights(cell), identity)
             dofs = (dofmap.bs * dofmap.cell_dofs(cell)[:, None] + np.arange(dofmap.bs)).ravel().astype(np.int32)
-            self.matrix.setValuesLocal(dofs, dofs, T.T @ matrix @ T - matrix, PETSc.InsertMode.ADD_VALUES)
+            change = surface.matrix(cell, matrix) - matrix
+            self.matrix.setValuesLocal(dofs, dofs, change, PETSc.InsertMode.ADD_VALUES)
         self.matrix.assemble()
 
     def _redistributed(self, masses: lumped_mass.CellMasses, surface: MassRedistribution) -> FloatArray:
@@ -136,8 +135,7 @@ class Inertia(Described):
         for cells, values in masses:
             values = values.copy()
             for row in np.flatnonzero(wanted[cells]):
-                by_node = values[row].reshape(-1, self.space.dofmap.bs)
-                by_node[:] = surface.weights(cells[row]).T @ by_node
+                values[row] = surface.lumped(int(cells[row]), values[row])
             moved.append((cells, values))
         return lumped_mass.sum_masses(self.space, moved).array[: self._num_owned]
 

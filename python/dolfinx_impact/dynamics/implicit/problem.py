@@ -59,7 +59,6 @@ from .loads_in_time import LoadsInTime
 from .obstacle_motions import ObstacleMotions
 from .restart import ImplicitRestart
 from .scheme import scheme_of
-from .stable_step import highest_frequency
 from .step_equations import StepEquations
 from .stored_energy import StoredEnergy
 from .stepper import MOST_STEPS, ImplicitStepper
@@ -317,7 +316,7 @@ class NewmarkProblem(Unique):
         if math.isinf(product):
             return product
         held = self.fixed[: self.num_owned] | self.inertia.massless
-        omega = highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
+        omega = _cpp.integrators.highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
         return product / omega if omega > 0.0 else math.inf
 
     def _warn_of_small_steps(self) -> None:
