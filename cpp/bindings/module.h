@@ -28,5 +28,6 @@ void solve(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);
+void problems(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace dolfinx_impact::bindings
