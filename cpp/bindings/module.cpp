@@ -43,6 +43,8 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::newmark(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
   dolfinx_impact::bindings::nodal(nodal);
+  nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");
+  dolfinx_impact::bindings::problems(problems);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   dolfinx_impact::bindings::bench(bench);
 }
