@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "dolfinx_impact/operators/CellBounds.h"
 #include "dolfinx_impact/operators/CellMatrix.h"
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
@@ -8,6 +9,7 @@
 #include "dolfinx_impact/operators/lump.h"
 #include "petsc_objects.h"
 #include <dolfinx/la/Vector.h>
+#include <nanobind/stl/tuple.h>
 
 namespace nb = nanobind;
 using namespace dolfinx_impact::operators;
@@ -195,6 +197,40 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       { return bindings::take(cell_masses_nodal(nodal, row_sum, V, coefficients)); }, nb::arg("nodal"),
       nb::arg("row_sum"), nb::arg("V"), nb::arg("coefficients"), nb::rv_policy::move,
       "Lumped mass of a nodal rule by cell and local degree of freedom");
+  nb::class_<CellBounds>(m, "CellBounds", "Bounds of the eigenvalues of cell matrices over the cells' masses")
+      .def(
+          "__init__",
+          [](CellBounds* self, std::shared_ptr<const FunctionSpace> V,
+             const std::vector<std::tuple<Integral, Coefficients, bool>>& parts)
+          {
+            std::vector<CellBounds::Part> all;
+            for (const auto& [integral, coefficients, varies] : parts)
+              all.push_back({integral, coefficients, varies});
+            new (self) CellBounds(std::move(V), std::move(all));
+          },
+          nb::arg("V"), nb::arg("parts"), "parts: integral, functions by name, does it read any?")
+      .def(
+          "set_constants", [](CellBounds& self, std::size_t i, Values c)
+          { self.set_constants(i, {c.data(), c.size()}); }, nb::arg("part"), nb::arg("constants"))
+      .def_prop_ro("joins_cells", &CellBounds::joins_cells)
+      .def(
+          "spectra",
+          [](CellBounds& self, Values masses, nb::object only, bool facets)
+          {
+            std::vector<std::int8_t> mask; // outlives what is seen of it
+            std::optional<std::span<const std::int8_t>> chosen;
+            if (!only.is_none())
+            {
+              const auto given = nb::cast<nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(only);
+              mask.assign(given.data(), given.data() + given.size());
+              chosen = mask;
+            }
+            auto found = self.spectra({masses.data(), masses.size()}, chosen, facets);
+            const std::size_t num = found.size() / 3;
+            return bindings::take(std::move(found), {num, 3});
+          },
+          nb::arg("masses"), nb::arg("only").none(), nb::arg("facets"), nb::rv_policy::move,
+          "Lower bound, upper bound and norm of the skew part by owned cell. Collective");
   m.attr("direction_name") = direction_name;
   m.def(
       "cell_spectra",

@@ -33,6 +33,9 @@ public:
   /// @throws std::invalid_argument if a coefficient, constant or history is missing, or for interior facets
   KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V, const std::vector<Integral>& integrals,
                 const Coefficients& coefficients, std::shared_ptr<const dolfinx::fem::Form<double>> other = nullptr);
+  /// The same of integrals with the sources of their coefficients.
+  KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V, const std::vector<Named>& integrals,
+                std::shared_ptr<const dolfinx::fem::Form<double>> other);
   ~KernelTangent();
   KernelTangent(const KernelTangent&) = delete;
   KernelTangent& operator=(const KernelTangent&) = delete;

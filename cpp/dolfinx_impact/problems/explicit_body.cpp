@@ -125,7 +125,8 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
   if (!viscosity.empty())
     body.terms.push_back({split(V, viscosity, both), integrators::WorkKind::viscosity});
   body.frequencies = std::make_shared<integrators::CellFrequencies>(
-      V, operators::CellBounds(V, std::move(stiffness)), std::nullopt, [m = std::move(masses)] { return m; });
+      V, std::make_shared<operators::CellBounds>(V, std::move(stiffness)), nullptr,
+      [m = std::move(masses)] { return m; });
   if (options.mass_scaling)
     body.frequencies->scale_mass(*options.mass_scaling);
   body.mass = body.frequencies->nodal_masses();
