@@ -25,6 +25,7 @@ void mortar_contact(nanobind::module_& m);
 void mortar_geometry(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
 void solve(nanobind::module_& m);
+void bodies(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);
