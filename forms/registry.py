@@ -106,7 +106,7 @@ def _table() -> tuple[Row, ...]:
             for hypothesis in ("plane_stress", "axisymmetric"):
                 rows += [Row(n, cell, 1, 1, hypothesis) for n in ("linear_elastic.force", "linear_elastic.tangent")]
     for cell, degree, hypothesis, laws in PLASTIC:
-        names = [f"j2.{law}" for law in laws]
+        names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):
             names.append(plasticity.STIFFNESS)
         if hypothesis == "axisymmetric":

@@ -59,7 +59,7 @@ bool run()
   const double dt = bar.time() / double(bar.step());
   for (std::size_t k = 0; k < history.num_rows(); ++k)
   {
-    const auto row = history.rows().subspan(k * history.row_size(), history.row_size());
+    const auto row = history.row(k);
     const double time = row[0], push = row[1 + integrators::Energies::size] * dt;
     impulse += push;
     plateau += time > 0.2 * back && time < 0.8 * back ? push / (0.6 * back) : 0.0;

@@ -8,8 +8,9 @@
 
 namespace dolfinx_impact::integrators
 {
-CellFrequencies::CellFrequencies(std::shared_ptr<const operators::FunctionSpace> V, operators::CellBounds stiffness,
-                                 std::optional<operators::CellBounds> damping, Masses masses)
+CellFrequencies::CellFrequencies(std::shared_ptr<const operators::FunctionSpace> V,
+                                 std::shared_ptr<operators::CellBounds> stiffness,
+                                 std::shared_ptr<operators::CellBounds> damping, Masses masses)
     : _space(std::move(V)), _stiffness(std::move(stiffness)), _damping(std::move(damping)), _masses(std::move(masses))
 {
 }
@@ -29,7 +30,7 @@ std::vector<double> CellFrequencies::masses() const
   return out;
 }
 
-CellFrequencies::Spectra CellFrequencies::by_cell(std::span<const std::int8_t> only)
+CellFrequencies::Spectra CellFrequencies::by_cell(operators::CellMask only)
 {
   const std::vector<double> m = masses();
   const std::size_t num = m.size() / width();
@@ -39,12 +40,12 @@ CellFrequencies::Spectra CellFrequencies::by_cell(std::span<const std::int8_t> o
     std::vector<double> out;
     out.reserve(num);
     for (std::size_t cell = 0; cell < num; ++cell)
-      if (only.empty() || only[cell])
+      if (!only || (*only)[cell])
         out.push_back(std::max(found[3 * cell + 1], 0.0));
     return out;
   };
   Spectra out;
-  out.squares = largest(_stiffness);
+  out.squares = largest(*_stiffness);
   out.rates = _damping ? largest(*_damping) : std::vector<double>(out.squares.size(), 0.0);
   ++_num_looks;
   _num_cells += std::int64_t(out.squares.size());
@@ -62,7 +63,7 @@ std::vector<double> CellFrequencies::nodal_stiffness(std::span<const std::int8_t
   std::vector<double> spectra(3 * num, 0.0);
   try
   {
-    spectra = _stiffness.spectra(m, near, false);
+    spectra = _stiffness->spectra(m, near, false);
   }
   catch (const common::BadValue&) // on all ranks: a residual that is not a number at rest
   {

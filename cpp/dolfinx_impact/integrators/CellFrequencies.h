@@ -3,7 +3,6 @@
 #include "../operators/CellBounds.h"
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,13 +16,10 @@ public:
   typedef std::function<std::vector<double>()> Masses;
 
   /// @param[in] stiffness derivative of the internal force
-  /// @param[in] damping derivative with respect to the velocity of damping that differs between cells, or nothing
-  CellFrequencies(std::shared_ptr<const operators::FunctionSpace> V, operators::CellBounds stiffness,
-                  std::optional<operators::CellBounds> damping, Masses masses);
-
-  operators::CellBounds& stiffness() { return _stiffness; }
-  /// Null: there is none.
-  operators::CellBounds* damping() { return _damping ? &*_damping : nullptr; }
+  /// @param[in] damping derivative with respect to the velocity of damping that differs between cells; null: there is
+  /// none
+  CellFrequencies(std::shared_ptr<const operators::FunctionSpace> V, std::shared_ptr<operators::CellBounds> stiffness,
+                  std::shared_ptr<operators::CellBounds> damping, Masses masses);
 
   /// With the factors of mass scaling [M].
   std::vector<double> masses() const;
@@ -34,10 +30,10 @@ public:
   };
   /// Largest eigenvalues of owned cells. Collective.
   /// @pre coefficients have up-to-date ghost values
-  /// @param[in] only mask of the cells that are asked for; empty: all
+  /// @param[in] only mask of the cells that are asked for; nothing: all
   /// @returns those of the cells that are asked for
   /// @throws common::BadValue if the stiffness of a cell is not finite
-  Spectra by_cell(std::span<const std::int8_t> only = {});
+  Spectra by_cell(operators::CellMask only = std::nullopt);
   /// Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, facets left
   /// out. Collective.
   /// @pre the displacement that kernels read is zero
@@ -58,8 +54,7 @@ private:
   std::size_t width() const;
 
   std::shared_ptr<const operators::FunctionSpace> _space;
-  operators::CellBounds _stiffness;
-  std::optional<operators::CellBounds> _damping;
+  std::shared_ptr<operators::CellBounds> _stiffness, _damping;
   Masses _masses;
   std::vector<double> _factor; ///< of each owned cell's mass; empty: no factors [1]
   std::int64_t _num_looks = 0, _num_cells = 0;

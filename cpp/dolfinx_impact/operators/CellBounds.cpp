@@ -54,7 +54,7 @@ bool CellBounds::reads(const std::string& coefficient) const
   return false;
 }
 
-std::vector<double> CellBounds::spectra(std::span<const double> masses, std::span<const std::int8_t> only, bool facets)
+std::vector<double> CellBounds::spectra(std::span<const double> masses, CellMask only, bool facets)
 {
   const auto& topology = *_space->mesh()->topology();
   const auto map = topology.index_map(topology.dim());
@@ -70,10 +70,10 @@ std::vector<double> CellBounds::spectra(std::span<const double> masses, std::spa
     m.scatter_fwd();
     all_masses.assign(m.array().begin(), m.array().end());
     masses = all_masses;
-    if (!only.empty())
+    if (only)
     {
       dolfinx::la::Vector<std::int8_t> chosen(map, 1);
-      std::ranges::copy(only, chosen.mutable_array().begin());
+      std::ranges::copy(*only, chosen.mutable_array().begin());
       chosen.scatter_fwd();
       all_chosen.assign(chosen.array().begin(), chosen.array().end());
       only = all_chosen;
@@ -96,7 +96,7 @@ std::vector<double> CellBounds::spectra(std::span<const double> masses, std::spa
     for (std::size_t e = 0; e < part.integral.entities.size(); e += stride)
     {
       const std::int32_t* entity = part.integral.entities.data() + e;
-      if (!only.empty() && std::none_of(entity, entity + sides, [&](std::int32_t cell) { return only[cell]; }))
+      if (only && std::none_of(entity, entity + sides, [&](std::int32_t cell) { return (*only)[cell]; }))
         continue;
       chosen.entities.insert(chosen.entities.end(), entity, entity + stride);
       for (int side = 0; side < sides; ++side)
@@ -106,7 +106,7 @@ std::vector<double> CellBounds::spectra(std::span<const double> masses, std::spa
       }
     }
     // Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
-    const bool keep = only.empty() && some_vary && !part.varies;
+    const bool keep = !only && some_vary && !part.varies;
     const std::size_t digest = keep ? digest_of(part.integral.constants, given) : 0;
     std::vector<double> found;
     if (keep && _kept[p].digest == digest && _kept[p].spectra.size() == 3 * chosen.entities.size() / stride)

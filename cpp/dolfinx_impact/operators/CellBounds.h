@@ -2,11 +2,15 @@
 #pragma once
 #include "lump.h"
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace dolfinx_impact::operators
 {
+/// Which owned cells are meant; nothing: all.
+typedef std::optional<std::span<const std::int8_t>> CellMask;
+
 /// Bounds of the eigenvalues of a bilinear form's cell matrices over the cells' masses. Integrals over a cell's facets
 /// belong to the cell, those over a facet between two cells to both. docs/explicit/stable_step.md.
 class CellBounds
@@ -33,12 +37,11 @@ public:
   /// cells, the eigenvalues over the masses of both count for each of them.
   /// @pre coefficients have up-to-date ghost values
   /// @param[in] masses lumped, by owned cell and local degree of freedom [M]
-  /// @param[in] only mask of the owned cells whose integrals count; empty: all
+  /// @param[in] only mask of the owned cells whose integrals count; nothing: all
   /// @param[in] facets do integrals over facets count?
   /// @returns [3*cell]: lower bound, upper bound, norm of the skew-symmetric part, in the form's unit over [M]
   /// @throws std::invalid_argument on all ranks for a matrix with entries that are not finite
-  std::vector<double> spectra(std::span<const double> masses, std::span<const std::int8_t> only = {},
-                              bool facets = true);
+  std::vector<double> spectra(std::span<const double> masses, CellMask only = std::nullopt, bool facets = true);
 
 private:
   /// What a part without functions had, and what it followed from.

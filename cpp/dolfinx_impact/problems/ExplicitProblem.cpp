@@ -23,7 +23,7 @@ std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBo
 {
   if (options.scheme == integrators::Scheme::classical)
     for (const ExplicitBody::Term& term : body.terms)
-      if (!term.forces.velocity.empty())
+      if (term.kind == integrators::WorkKind::damping)
         throw std::invalid_argument(
             "the classical scheme takes mass-proportional damping only, its matrix must be diagonal");
   auto integrator =
@@ -96,37 +96,37 @@ private:
 
 ExplicitProblem::ExplicitProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, ExplicitBody body,
                                  std::vector<PrescribedMotion> supports, std::vector<LoadInTime> loads,
-                                 std::vector<ContactInTime> contacts, const ExplicitOptions& options)
-    : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(loads)), _body(std::move(body)),
-      _contacts(std::move(contacts)), _integrator(make_integrator(_body, *this, loads, _contacts, options)),
+                                 std::vector<ContactInTime> contacts, const ExplicitOptions& options,
+                                 std::shared_ptr<Function> a)
+    : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(loads), std::move(a)),
+      _body(std::move(body)), _contacts(std::move(contacts)),
+      _integrator(make_integrator(_body, *this, loads, _contacts, options)),
       _safe(_u, _body.frequencies, cell_steps(_body, _contacts, options.scheme), _body.kind, *_integrator),
-      _history(_contacts.size()), _stepper(system(options), _time, _step)
+      _history(_contacts.size()), _stepper(system(), _time, _step)
 {
+  RunObserver nobody;
   if (options.start)
-    start();
+    start(nobody);
 }
 
-ExplicitStepper::System ExplicitProblem::system(const ExplicitOptions& options)
+ExplicitStepper::System ExplicitProblem::system()
 {
   std::vector<std::string> names;
   for (const ContactInTime& c : _contacts)
     names.push_back(c.name);
-  auto table = options.table;
-  if (!table)
-    table = [this](std::span<const double> times)
-    {
-      std::vector<double> out;
-      common::agree(comm(), [&] { out = _functions.table(times); });
-      return out;
-    };
   return {_u->function_space(),
           *_integrator,
           _safe,
           _history,
           std::move(names),
           [this] { update_motion(); },
-          options.check_start ? options.check_start : [this] { check_overlap(); },
-          std::move(table),
+          [this] { check_overlap(); },
+          [this](std::span<const double> times)
+          {
+            std::vector<double> out;
+            common::agree(comm(), [&] { out = _functions.table(times); });
+            return out;
+          },
           [this]
           {
             for (const auto& operation : {_body.internal.inner, _body.internal.outer})
@@ -134,7 +134,7 @@ ExplicitStepper::System ExplicitProblem::system(const ExplicitOptions& options)
                 operation->store_snapshot();
           },
           [this] { go_back(); },
-          options.unsolved ? options.unsolved : [this] { return unsolved(); }};
+          [this] { return unsolved(); }};
 }
 
 void ExplicitProblem::go_back()
@@ -143,7 +143,8 @@ void ExplicitProblem::go_back()
     if (operation->has_history())
       operation->restore_snapshot();
   for (const ContactInTime& c : _contacts)
-    c.contact->reset();
+    for (const auto& direction : c.contact.directions())
+      direction->reset();
 }
 
 std::string ExplicitProblem::unsolved() const
@@ -157,8 +158,11 @@ void ExplicitProblem::check_overlap()
 {
   for (const ContactInTime& c : _contacts)
   {
-    const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(c.contact.get());
-    const long long deep = common::sum(comm(), (long long)(contact ? contact->implausible() : 0));
+    long long deep = 0;
+    for (const auto& direction : c.contact.directions())
+      if (const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(direction.get()))
+        deep += contact->implausible();
+    deep = common::sum(comm(), deep);
     if (deep > 0)
       throw common::BadValue(c.name + ": " + std::to_string(deep) +
                              " slave nodes lie deeper in the master than half a facet: the bodies overlap at the "
@@ -223,18 +227,18 @@ void ExplicitProblem::update_motion()
   set_motion(_integrator->displacement(), v, a);
 }
 
-void ExplicitProblem::start()
+void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();
-  _stepper.start(_u->x()->array().first(owned), _v->x()->array().first(owned));
+  _stepper.start(_u->x()->array().first(owned), _v->x()->array().first(owned), observer);
   update_motion();
 }
 
 void ExplicitProblem::resume(double time, std::int64_t step, double next_time, double nominal,
-                             const std::optional<integrators::StepSchedule>& schedule)
+                             const std::optional<integrators::StepSchedule>& schedule, RunObserver& observer)
 {
   _time = time;
   _step = step;
-  _stepper.resume(next_time, nominal, schedule);
+  _stepper.resume(next_time, nominal, schedule, observer);
 }
 } // namespace dolfinx_impact::problems

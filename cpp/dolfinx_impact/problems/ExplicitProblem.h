@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../enforcement/node_to_surface/NodalContact.h"
+#include "../enforcement/node_to_surface/NodalPair.h"
 #include "../integrators/CentralDifference.h"
 #include "../integrators/SafeStep.h"
 #include "../state/State.h"
@@ -18,7 +18,7 @@ namespace dolfinx_impact::problems
 /// A contact of a problem in time.
 struct ContactInTime
 {
-  std::shared_ptr<enforcement::NodalContact> contact;
+  enforcement::NodalPair contact;                      ///< one direction, or both of balanced contact
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
   /// Upper bound of the angular frequency that its springs of given stiffness add; springs by the step or the bodies
@@ -31,12 +31,6 @@ struct ExplicitOptions
   integrators::Scheme scheme = integrators::Scheme::half_step;
   /// Energy that a residual of one's own may give beside that of the start; infinite: all [F L].
   double release_limit = std::numeric_limits<double>::infinity();
-  std::function<std::string()> unsolved = {}; ///< which local equations were not solved; empty: a text by default
-  /// Rows of the functions of time; throws on all ranks alike. Empty: those of `functions`.
-  std::function<std::vector<double>(std::span<const double>)> table = {};
-  /// Whether bodies overlap at the start, looked at there and after the first step; throws on all ranks alike. Empty:
-  /// no node may have been found too deep to be pushed out.
-  std::function<void()> check_start = {};
   bool start = true; ///< compute the forces of the start at once; else by `start`
 };
 
@@ -50,11 +44,13 @@ public:
   /// Collective. Forces of the start are computed.
   /// @param[in] u displacement at the start, becomes that of the present time [L]
   /// @param[in] v velocity at the start, becomes that of the present time; null: at rest [L/T]
+  /// @param[in] a becomes the acceleration; null: a new function [L/T^2]
   /// @throws std::invalid_argument for what does not fit; common::BadValue on all ranks if bodies overlap, or a
   ///   prescribed displacement jumps at the start
   ExplicitProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, ExplicitBody body,
                   std::vector<PrescribedMotion> supports = {}, std::vector<LoadInTime> loads = {},
-                  std::vector<ContactInTime> contacts = {}, const ExplicitOptions& options = {});
+                  std::vector<ContactInTime> contacts = {}, const ExplicitOptions& options = {},
+                  std::shared_ptr<Function> a = nullptr);
 
   /// Advance to a time. Collective. After an exception of the callback the problem has the state of the last step, and
   /// `advance` to the same time goes on with the remaining steps.
@@ -80,10 +76,10 @@ public:
   /// Compute the forces of the start, from the functions of displacement and velocity: for the first time, or because
   /// contacts have got a history. Collective.
   /// @throws common::BadValue if bodies overlap
-  void start();
+  void start(RunObserver& observer);
   /// Go on from a checkpoint; integrator and `safe_step` must have been restored. Collective.
   void resume(double time, std::int64_t step, double next_time, double nominal,
-              const std::optional<integrators::StepSchedule>& schedule);
+              const std::optional<integrators::StepSchedule>& schedule, RunObserver& observer);
 
   integrators::CentralDifference& integrator() { return *_integrator; }
   integrators::SafeStep& safe_step() { return _safe; }
@@ -91,7 +87,7 @@ public:
   const ExplicitBody& body() const { return _body; }
 
 private:
-  ExplicitStepper::System system(const ExplicitOptions& options);
+  ExplicitStepper::System system();
   void check_overlap();
   void go_back();
   std::string unsolved() const;

@@ -30,21 +30,33 @@ ExplicitStepper::ExplicitStepper(System system, double& time, std::int64_t& step
 {
 }
 
-void ExplicitStepper::start(std::span<const double> u, std::span<const double> v)
+std::vector<double> ExplicitStepper::table(std::span<const double> times, RunObserver& observer) const
 {
-  RunObserver nobody;
-  _system.integrator.set_contact_step(_nominal);
-  _system.integrator.start(u, v);
-  run(0, nobody);
-  _system.check_start();
+  auto given = observer.table(times);
+  return given ? std::move(*given) : _system.table(times);
 }
 
-void ExplicitStepper::restart()
+void ExplicitStepper::check_start(RunObserver& observer) const
+{
+  if (!observer.check_start())
+    _system.check_start();
+}
+
+void ExplicitStepper::start(std::span<const double> u, std::span<const double> v, RunObserver& observer)
+{
+  _system.integrator.set_contact_step(_nominal);
+  _system.integrator.start(u, v);
+  run(0, observer);
+  check_start(observer);
+}
+
+/// Springs are others: the forces of the start once more.
+void ExplicitStepper::restart(RunObserver& observer)
 {
   std::vector<double> v(_system.integrator.displacement().size()), a(v.size());
   _system.integrator.motion(v, a);
   const std::vector<double> u(_system.integrator.displacement().begin(), _system.integrator.displacement().end());
-  start(u, v);
+  start(u, v, observer);
 }
 
 void ExplicitStepper::advance(double until, const AdvanceOptions& options, RunObserver& observer)
@@ -60,6 +72,7 @@ void ExplicitStepper::advance(double until, const AdvanceOptions& options, RunOb
   choose_schedule(until, options, observer);
   safe.enter(known, options.dt.has_value());
   safe.begin(options.dt ? 0.0 : _nominal);
+  observer.begins(*_schedule);
   while (_step < _schedule->last)
     take_steps(until, options, observer);
   _schedule.reset();
@@ -72,7 +85,7 @@ void ExplicitStepper::take_steps(double until, const AdvanceOptions& options, Ru
   const std::int64_t rest = _schedule->last - _step, first = _step == 0 ? 1 : chunk;
   run(std::min({first, rest, observer.room(), _system.safe.steps_left(_step, rest)}), observer);
   if (first == 1) // kinematic contact has gaps only after a step
-    _system.check_start();
+    check_start(observer);
   observer.after_steps();
 }
 
@@ -83,7 +96,7 @@ void ExplicitStepper::run(std::int64_t count, RunObserver& observer)
   _times.resize(count + 2); // the integrator needs functions of time one step ahead
   for (std::int64_t k = 0; k < count + 2; ++k)
     _times[k] = _schedule ? _schedule->time(_step + k) : _time;
-  const std::vector<double> table = _system.table(_times);
+  const std::vector<double> table = this->table(_times, observer);
   if (!_good || _step - _good->step >= snapshot || count > snapshot)
   {
     GoodState& good = _good.emplace(_step, _time);
@@ -129,7 +142,10 @@ void ExplicitStepper::warn(RunObserver& observer, const std::string& text) const
 /// Returns to the last good state and throws, on all ranks.
 void ExplicitStepper::fail(double time, const std::string& fault, RunObserver& observer)
 {
-  const FailedRun failed(_system.integrator, *_system.space, _system.contacts, _system.unsolved(), time, _nominal,
+  std::optional<std::string> unsolved = observer.unsolved();
+  if (!unsolved)
+    unsolved = _system.unsolved();
+  const FailedRun failed(_system.integrator, *_system.space, _system.contacts, *unsolved, time, _nominal,
                          _system.safe.value());
   _schedule.reset();
   observer.failed();
@@ -139,8 +155,7 @@ void ExplicitStepper::fail(double time, const std::string& fault, RunObserver& o
   _system.go_back();
   _system.history.begin_anew();
   _system.integrator.start(_good->u, _good->v);
-  RunObserver nobody;
-  run(0, nobody);
+  run(0, observer);
   _system.update_motion();
   if (!fault.empty())
     throw common::Failure(failed.message_of(fault, _time));
@@ -199,7 +214,7 @@ void ExplicitStepper::choose_schedule(double until, const AdvanceOptions& option
     // limits the step at the start.)
     _system.integrator.set_contact_step(nominal);
     if (_step == 0)
-      restart();
+      restart(observer);
   }
 }
 
@@ -223,14 +238,15 @@ void ExplicitStepper::recheck(double until, const AdvanceOptions& options, RunOb
   _system.safe.begin(options.dt ? 0.0 : _nominal);
 }
 
-void ExplicitStepper::resume(double next_time, double nominal, const std::optional<integrators::StepSchedule>& schedule)
+void ExplicitStepper::resume(double next_time, double nominal, const std::optional<integrators::StepSchedule>& schedule,
+                             RunObserver& observer)
 {
   _next_time = next_time;
   _nominal = nominal;
   _schedule = schedule;
   _good.reset();
   const std::vector<double> times{_time, _next_time};
-  const std::vector<double> table = _system.table(times);
+  const std::vector<double> table = this->table(times, observer);
   _system.integrator.run({}, table, int(table.size() / 2), {}, {});
   _system.safe.begin(nominal);
 }

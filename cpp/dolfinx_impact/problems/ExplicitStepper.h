@@ -51,9 +51,7 @@ public:
 
   /// Start at time zero: compute forces. Collective.
   /// @param[in] u, v owned entries [L], [L/T]
-  void start(std::span<const double> u, std::span<const double> v);
-  /// Compute the forces of the start once more: contacts have got a history, or other springs. Collective.
-  void restart();
+  void start(std::span<const double> u, std::span<const double> v, RunObserver& observer);
   /// Advance to a later time. Collective.
   /// @throws common::BadValue dt beyond the stable step, or so small that the time cannot be reached; nothing limits it
   /// @throws common::Failure the run went unstable or gained energy beyond the limit; the motion is the last good one
@@ -69,7 +67,8 @@ public:
   bool warned() const { return _warned; }
 
   /// Go on from a checkpoint; the integrator must have been restored before. Collective.
-  void resume(double next_time, double nominal, const std::optional<integrators::StepSchedule>& schedule);
+  void resume(double next_time, double nominal, const std::optional<integrators::StepSchedule>& schedule,
+              RunObserver& observer);
 
 private:
   /// State that a failed run returns to.
@@ -81,6 +80,9 @@ private:
   };
 
   MPI_Comm comm() const { return _system.space->mesh()->comm(); }
+  std::vector<double> table(std::span<const double> times, RunObserver& observer) const;
+  void check_start(RunObserver& observer) const;
+  void restart(RunObserver& observer);
   void take_steps(double until, const AdvanceOptions& options, RunObserver& observer);
   void run(std::int64_t count, RunObserver& observer);
   void choose_schedule(double until, const AdvanceOptions& options, RunObserver& observer);

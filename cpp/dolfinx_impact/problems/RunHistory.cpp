@@ -50,8 +50,7 @@ void RunHistory::add(std::span<const double> times, std::span<const double> step
     _largest = std::max(_largest, sum_of_sizes(energies));
     if (_count++ % _stride == 0)
     {
-      _rows.push_back(times[k]);
-      _rows.insert(_rows.end(), row, row + step_size);
+      append(times[k], row);
       thin();
     }
   }
@@ -68,7 +67,8 @@ void RunHistory::begin_anew()
 
 void RunHistory::resume(std::optional<double> total_start, double largest)
 {
-  _rows.clear();
+  _blocks.clear();
+  _num_rows = 0;
   _last.clear();
   _count = 0;
   _stride = 1;
@@ -90,15 +90,28 @@ void RunHistory::set_limit(std::size_t limit)
   thin();
 }
 
+void RunHistory::append(double time, const double* step)
+{
+  if (_num_rows == _blocks.size() * rows_per_block)
+    _blocks.emplace_back().reserve(std::min(rows_per_block, std::max<std::size_t>(_num_rows, 16)) * _row_size);
+  std::vector<double>& block = _blocks.back();
+  if (block.size() == block.capacity())
+    block.reserve(std::min(2 * block.size(), rows_per_block * _row_size));
+  block.push_back(time);
+  block.insert(block.end(), step, step + _row_size - 1);
+  ++_num_rows;
+}
+
 void RunHistory::thin()
 {
-  while (num_rows() > _limit)
+  while (_num_rows > _limit)
   {
-    const std::size_t kept = (num_rows() + 1) / 2;
-    for (std::size_t k = 1; k < kept; ++k)
-      std::copy_n(_rows.begin() + std::ptrdiff_t(2 * k * _row_size), _row_size,
-                  _rows.begin() + std::ptrdiff_t(k * _row_size));
-    _rows.resize(kept * _row_size);
+    _num_rows = (_num_rows + 1) / 2;
+    for (std::size_t k = 1; k < _num_rows; ++k)
+      std::ranges::copy(row(2 * k),
+                        _blocks[k / rows_per_block].begin() + std::ptrdiff_t(k % rows_per_block * _row_size));
+    _blocks.resize((_num_rows + rows_per_block - 1) / rows_per_block);
+    _blocks.back().resize((_num_rows - (_blocks.size() - 1) * rows_per_block) * _row_size);
     _stride *= 2;
   }
 }

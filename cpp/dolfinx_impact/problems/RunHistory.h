@@ -19,9 +19,13 @@ public:
 
   /// Entries of a row: time [T], the Energies in their order [F L], three components of each contact's force [F].
   std::size_t row_size() const { return _row_size; }
-  /// Rows that are kept, one behind the other.
-  std::span<const double> rows() const { return _rows; }
-  std::size_t num_rows() const { return _rows.size() / _row_size; }
+  /// Number of rows that are kept.
+  std::size_t num_rows() const { return _num_rows; }
+  /// A row that is kept.
+  std::span<const double> row(std::size_t k) const
+  {
+    return std::span(_blocks[k / rows_per_block]).subspan(k % rows_per_block * _row_size, _row_size);
+  }
   /// One row is kept of this many.
   std::size_t stride() const { return _stride; }
   /// Row that was added last, kept or not; empty before the first.
@@ -47,10 +51,15 @@ public:
   void set_limit(std::size_t limit);
 
 private:
+  /// A table in one piece would take twice as much, and three times while it grows.
+  static constexpr std::size_t rows_per_block = 4096;
+  void append(double time, const double* step);
   void thin();
 
   std::size_t _row_size, _limit = 250000; // rows: 26 MB with one contact, on every rank
-  std::vector<double> _rows, _last;
+  std::vector<std::vector<double>> _blocks;
+  std::vector<double> _last;
+  std::size_t _num_rows = 0;
   std::size_t _count = 0, _stride = 1;
   std::optional<double> _total_start;
   double _largest = 0.0;

@@ -6,9 +6,10 @@
 namespace dolfinx_impact::problems
 {
 TransientProblem::TransientProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v,
-                                   std::vector<PrescribedMotion> motions, FunctionsOfTime functions)
+                                   std::vector<PrescribedMotion> motions, FunctionsOfTime functions,
+                                   std::shared_ptr<Function> a)
     : _u(std::move(u)), _v(v ? std::move(v) : std::make_shared<Function>(_u->function_space())),
-      _a(std::make_shared<Function>(_u->function_space())), _functions(std::move(functions)),
+      _a(a ? std::move(a) : std::make_shared<Function>(_u->function_space())), _functions(std::move(functions)),
       _supports(*_u, std::move(motions), _functions)
 {
   if (_v->function_space() != _u->function_space())

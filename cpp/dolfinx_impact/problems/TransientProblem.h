@@ -39,15 +39,17 @@ public:
   FunctionsOfTime& functions() { return _functions; }
   const FunctionsOfTime& functions() const { return _functions; }
   const Supports& supports() const { return _supports; }
+  Supports& supports() { return _supports; }
 
 protected:
   /// Collective.
   /// @param[in] u displacement at the start, becomes that of the present time [L]
   /// @param[in] v velocity at the start, becomes that of the present time; null: at rest [L/T]
   /// @param[in] functions those of loads; those of supports are added
+  /// @param[in] a becomes the acceleration; null: a new function [L/T^2]
   /// @throws std::invalid_argument on all ranks for a velocity of another space; as Supports
   TransientProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, std::vector<PrescribedMotion> motions,
-                   FunctionsOfTime functions = {});
+                   FunctionsOfTime functions = {}, std::shared_ptr<Function> a = nullptr);
 
   MPI_Comm comm() const { return _u->function_space()->mesh()->comm(); }
   /// Number of degrees of freedom that this rank owns.

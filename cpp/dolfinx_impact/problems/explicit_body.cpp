@@ -16,7 +16,7 @@ namespace
 {
 using operators::Integral;
 typedef dolfinx::fem::Function<double> Function;
-typedef std::map<std::string, std::shared_ptr<const Function>> Coefficients;
+using operators::Coefficients;
 
 std::string tangent_name(const KernelMaterial& law)
 {
@@ -93,7 +93,7 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
       for (const impact_kernel* kernel : kernels.find(name, law.hypothesis))
         out.push_back({kernel, cells, kernels::constants(*kernel, constants)});
     };
-    append(forces, is_plastic(law) ? law.name : law.name + ".force");
+    append(forces, law.name + ".force");
     if (options.beta > 0.0)
       append(damping, elastic_name(law) + ".damping");
     if (options.bulk_viscosity != std::array<double, 2>{})
@@ -125,7 +125,8 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
   if (!viscosity.empty())
     body.terms.push_back({split(V, viscosity, both), integrators::WorkKind::viscosity});
   body.frequencies = std::make_shared<integrators::CellFrequencies>(
-      V, operators::CellBounds(V, std::move(stiffness)), std::nullopt, [m = std::move(masses)] { return m; });
+      V, std::make_shared<operators::CellBounds>(V, std::move(stiffness)), nullptr,
+      [m = std::move(masses)] { return m; });
   if (options.mass_scaling)
     body.frequencies->scale_mass(*options.mass_scaling);
   body.mass = body.frequencies->nodal_masses();

@@ -14,8 +14,6 @@ namespace
 {
 /// Part of the stable step within which a step counts as that long.
 constexpr double round_off = 1e-12;
-/// Strain of all cells, of which a residual does not tell what bodies store at the start.
-constexpr double start_strain = 0.1;
 
 /// A text of one rank, on all.
 std::string from_rank(MPI_Comm comm, int root, std::string here)
@@ -83,11 +81,11 @@ std::string gain_message(double gain)
          "or check that bodies do not pass through each other; energy_limits=... of advance changes the limits.";
 }
 
-std::string released_message(double released, double limit, double strain, const std::string& go_on)
+std::string released_message(double released, double limit, const std::string& go_on)
 {
   return "the residual has given the body an energy of " + text("%.3g", released) +
-         ", and it moves ever faster; strained by " + text("%.0f", 100.0 * strain) + " % in all cells it would store " +
-         text("%.3g", limit) +
+         ", and it moves ever faster; strained by " + text("%.0f", 100.0 * start_strain) +
+         " % in all cells it would store " + text("%.3g", limit) +
          ". Does a term of the residual have the wrong sign? Loads that are part of it belong into loads=. " + go_on;
 }
 
@@ -141,8 +139,7 @@ std::string FailedRun::message(double back_at, double stable_step) const
     return message_of(_unsolved, back_at);
   const double stable = std::min(stable_step, _stable_step);
   if (_released > 0.0 && !(_step > stable * (1.0 + round_off)))
-    return released_message(_released, _release_limit, start_strain,
-                            "energy_limits=None of advance lets the run go on") +
+    return released_message(_released, _release_limit, "energy_limits=None of advance lets the run go on") +
            ". It was stopped at the time " + text("%.6g", _time) + "; what moves fastest is in " + _place + "; " + back;
   const bool gained = _gain > _gain_limit;
   return "the run went unstable at the time " + text("%.6g", _time) + ", step " + text("%.6g", _step) +

@@ -15,12 +15,13 @@ std::string describe_node(const dolfinx::fem::FunctionSpace<double>& V, std::int
 /// About energy that a run has gained: what was found and what to do.
 /// @param[in] gain relative to the energies so far [1]
 std::string gain_message(double gain);
+/// Strain of all cells that bodies may have at the start, of which a residual does not tell what they store [1].
+inline constexpr double start_strain = 0.1;
 /// About energy that a residual has given: what was found and what to do.
 /// @param[in] released the energy [F L]
-/// @param[in] limit what bodies may have stored [F L]
-/// @param[in] strain of all their cells then [1]
+/// @param[in] limit what bodies may have stored at `start_strain` [F L]
 /// @param[in] go_on how to let the run go on
-std::string released_message(double released, double limit, double strain, const std::string& go_on);
+std::string released_message(double released, double limit, const std::string& go_on);
 
 /// Where and why an integrator stopped before the last step.
 class FailedRun

@@ -61,7 +61,7 @@ class Restart(Checkpoints):
 
     def __init__(self, problem: ExplicitProblem, stepper: TimeStepper) -> None:
         super().__init__(in_time(problem))
-        self.problem, self.stepper, self.integrator = problem, stepper, problem._cpp_object
+        self.problem, self.stepper, self.integrator = problem, stepper, stepper.integrator
 
     def _recorders(self) -> Sequence[Recorder]:
         return self.stepper.recorders
@@ -218,7 +218,7 @@ def _schedule(values: ArrayLike, want: Want, time: float, step: int) -> StepSche
     begin, until, first, last, auto = (float(number) for number in numbers)
     schedule = StepSchedule(begin, until, int(first), int(last), bool(auto))
     right = 0.0 <= begin < until and 0 <= first < last and auto in (0.0, 1.0) and first % 1 == last % 1 == 0.0
-    right = right and first <= step <= last and bool(abs(schedule.times(np.array(step)) - time) <= SAME * until)
+    right = right and first <= step <= last and bool(abs(schedule.time(step) - time) <= SAME * until)
     want(right, f"schedule is {numbers.tolist()} at the time {time} and step {step}")
     return schedule
 
