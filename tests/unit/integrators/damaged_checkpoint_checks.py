@@ -19,7 +19,7 @@ FLIPS = 500
 
 def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
-    saved = problem._cpp_object.save()
+    saved = problem._cpp_object.integrator.save()
     parts = [
         state(problem),
         [
