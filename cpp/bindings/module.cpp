@@ -40,6 +40,7 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::mortar_contact(multipliers);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
+  dolfinx_impact::bindings::newmark(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
   dolfinx_impact::bindings::nodal(nodal);
   nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");

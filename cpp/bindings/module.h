@@ -29,5 +29,6 @@ void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);
 void problems(nanobind::module_& m);
+void newmark(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace dolfinx_impact::bindings

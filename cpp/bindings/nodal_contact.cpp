@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/node_to_surface/KinematicStep.h"
-#include "dolfinx_impact/enforcement/node_to_surface/NodePenalty.h"
+#include "dolfinx_impact/enforcement/node_to_surface/NodalPair.h"
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -192,10 +192,10 @@ nb::dict springs(NodePenalty& self, const Halo& halo, const Values& u)
 
 template <typename Master>
 void construct_penalty(NodePenalty* self, const FunctionSpace& V, const Facets& slave, const Master& master,
-                       double friction, double penalty, double kappa, bool balanced, double search_distance,
+                       double friction, double penalty, double kappa, double share, double search_distance,
                        bool axisymmetric)
 {
-  new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, balanced});
+  new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, share});
 }
 
 template <typename Master>
@@ -285,9 +285,6 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def("results", &results)
       .def("energy", [](const NodeToSurface& self) { return energies(self.energy()); })
       .def(
-          "own_energy", [](const NodeToSurface& self) { return energies(self.own_energy()); },
-          "Without that of the other direction of balanced contact, which `energy` has")
-      .def(
           "set_energy",
           [](NodeToSurface& self, double stored, double friction, double normal, double later_friction,
              double later_normal, double recoverable)
@@ -308,11 +305,11 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
   nb::class_<NodePenalty, NodeToSurface>(m, "NodePenalty", "Springs between slave nodes and the master")
       .def("__init__", &construct_penalty<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
-           nb::arg("balanced") = p.balanced, nb::arg("search_distance") = p.search_distance,
+           nb::arg("share") = p.share, nb::arg("search_distance") = p.search_distance,
            nb::arg("axisymmetric") = p.axisymmetric)
       .def("__init__", &construct_penalty<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
-           nb::arg("balanced") = p.balanced, nb::arg("search_distance") = p.search_distance,
+           nb::arg("share") = p.share, nb::arg("search_distance") = p.search_distance,
            nb::arg("axisymmetric") = p.axisymmetric)
       .def(
           "add_forces",
@@ -329,19 +326,17 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           nb::arg("f").noconvert(), nb::arg("times") = 1,
           "Add the forces to f (a view is changed); several times for timing")
       .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
-           "Springs of given stiffness in a configuration, instead of a step; not those of `other`")
+           "Springs of given stiffness in a configuration, instead of a step")
       .def(
           "set_nodal_compliances",
           [](NodePenalty& self, Values slave, Values master)
           {
-            self.set_nodal_compliances({slave.data(), slave.data() + slave.size()},
-                                       {master.data(), master.data() + master.size()});
+            self.set_nodal_compliances(
+                {{slave.data(), slave.data() + slave.size()}, {master.data(), master.data() + master.size()}});
           },
           nb::arg("slave"), nb::arg("master"),
           "Reciprocals of the nodal stiffness of both surfaces by owned node, zero where none is known; before "
           "`number`")
-      .def_prop_ro(
-          "other", [](NodePenalty& self) { return self.other(); }, nb::rv_policy::reference_internal)
       .def("history", &penalty_history)
       .def("set_history", &set_penalty_history, nb::arg("history"));
 
@@ -374,4 +369,36 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
       .def("history", &kinematic_history)
       .def("set_history", &set_kinematic_history, nb::arg("history"));
+
+  nb::class_<NodalPair>(m, "NodalPair", "Contact of a pair in an explicit problem: one direction, or both (balanced)")
+      .def(nb::init<std::vector<std::shared_ptr<NodalContact>>>(), nb::arg("directions"),
+           "The first direction has the slave of the pair, a second one has both surfaces exchanged")
+      .def_prop_ro("directions", &NodalPair::directions)
+      .def_prop_ro(
+          "force",
+          [](const NodalPair& self)
+          {
+            const std::array<double, 3> force = self.force();
+            return take(std::vector<double>(force.begin(), force.end()));
+          },
+          nb::rv_policy::move, "Three components of the force on the slave in the last step, of this rank")
+      .def("energy", [](const NodalPair& self) { return energies(self.energy()); });
+
+  m.def(
+      "balanced_penalty",
+      [](const FunctionSpace& V, const Facets& slave, const Facets& master, double friction, double penalty,
+         double kappa, double search_distance, bool axisymmetric, Values slave_compliances, Values master_compliances)
+      {
+        NodalCompliances known;
+        if (slave_compliances.is_valid() && master_compliances.is_valid())
+          known = {{slave_compliances.data(), slave_compliances.data() + slave_compliances.size()},
+                   {master_compliances.data(), master_compliances.data() + master_compliances.size()}};
+        return balanced_penalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa}, known);
+      },
+      nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("friction") = p.friction,
+      nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa, nb::arg("search_distance") = p.search_distance,
+      nb::arg("axisymmetric") = p.axisymmetric, nb::arg("slave_compliances").none() = nb::none(),
+      nb::arg("master_compliances").none() = nb::none(),
+      "Both directions of contact by penalty, each with half of the stiffness; compliances as `set_nodal_compliances` "
+      "takes them, or None for both. Collective");
 }

@@ -348,9 +348,9 @@ void bind_supports(nb::module_& m)
   nb::class_<ContactInTime>(m, "ContactInTime", "A contact, and the motion of its rigid master")
       .def(
           "__init__",
-          [](ContactInTime* self, std::shared_ptr<dolfinx_impact::enforcement::NodalContact> contact, std::string name,
+          [](ContactInTime* self, const dolfinx_impact::enforcement::NodalPair& contact, std::string name,
              const std::optional<Values>& start, double spring_frequency)
-          { new (self) ContactInTime{std::move(contact), std::move(name), from_table(start), spring_frequency}; },
+          { new (self) ContactInTime{contact, std::move(name), from_table(start), spring_frequency}; },
           nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("spring_frequency"));
 }
 

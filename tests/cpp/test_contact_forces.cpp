@@ -344,6 +344,63 @@ TEST_CASE("the largest position is that of all obstacles")
   CHECK(contacts.largest_position() == 3.0);
 }
 
+TEST_CASE("both directions of a pair are searched and act, and the pair tells their sum")
+{
+  NodalFields fields = three_nodes();
+  fields.u[4] = 3.0;
+  ContactForces contacts;
+  const auto first = std::make_shared<Spring>(), second = std::make_shared<Spring>(), alone = std::make_shared<Spring>();
+  contacts.add(enforcement::NodalPair({first, second}), {-1, -1, -1});
+  contacts.add(alone, {-1, -1, -1});
+  CHECK(contacts.size() == 2);
+  contacts.set_step(0.5);
+  contacts.search(fields, 0.0);
+  contacts.work_of_step(fields, 0.0);
+  contacts.evaluate(fields);
+  for (const auto& spring : {first, second, alone})
+  {
+    CHECK(spring->searches == 1);
+    CHECK(spring->total[0] == -12.0);
+  }
+  CHECK(fields.r[4] == 36.0); // all three act
+  second->total = {-5.0, 1.0, 0.0};
+  double force[6] = {};
+  contacts.resultants(2, force);
+  CHECK(force[0] == -7.0); // the second direction's slave is the master of the pair
+  CHECK(force[1] == -1.0);
+  CHECK(force[3] == -12.0);
+  first->energies = {1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+  second->energies = {10.0, 20.0, 30.0, 40.0, 50.0, 60.0};
+  const enforcement::ContactEnergy both = enforcement::NodalPair({first, second}).energy();
+  CHECK(both.stored == 11.0);
+  CHECK(both.friction == 22.0);
+  CHECK(both.normal == 33.0);
+  CHECK(both.later_friction == 44.0);
+  CHECK(both.later_normal == 55.0);
+  CHECK(both.recoverable == 66.0);
+  first->passed = {1, 1.5};
+  second->passed = {0, 2.5};
+  CHECK(contacts.passage().first == 0);
+  CHECK(contacts.passage().second.node == 0);
+  second->motion_used = 1.0;
+  contacts.predict_searches();
+  EnergySums sums;
+  contacts.add_energies(sums);
+  CHECK(sums.stored == 11.0);
+  CHECK(sums.passages == 1.0); // of one pair
+  CHECK(sums.searches_due > 0.0);
+  contacts.update_gaps();
+  CHECK(second->gap == 3.0);
+  contacts.forget_searches();
+  CHECK(second->forgotten == 1);
+  CHECK_THROWS_AS(enforcement::NodalPair({first, second, alone}), std::invalid_argument);
+  CHECK_THROWS_AS(enforcement::NodalPair(std::vector<std::shared_ptr<enforcement::NodalContact>>()),
+                  std::invalid_argument);
+  CHECK_THROWS_AS(contacts.add(enforcement::NodalPair({first, std::make_shared<OneNode>()}), {-1, -1, -1}),
+                  std::invalid_argument);
+  CHECK(contacts.size() == 2);
+}
+
 TEST_CASE("the fastest passage of all contacts is told")
 {
   ContactForces contacts;

@@ -118,7 +118,8 @@ def test_facing_by_the_normals_of_the_last_search_is_seen(cell, monkeypatch):
 
     def keep(self, *args, **kwargs):
         make(self, *args, **kwargs)
-        self._cpp_object.keep_normals(True)
+        for side in self.sides():
+            side.keep_normals(True)
 
     monkeypatch.setattr(NodalResult, "__init__", keep)
     try:

@@ -47,7 +47,7 @@ class Bar(Impact):
         problem = self.problem(method)
 
         def take_it_all(p):
-            side = p.contact[0]._cpp_object
+            side = p.contact[0].sides()[0]
             history = side.history()
             history["absorbed_energy"][:] = 0.0
             side.set_history(history)

@@ -9,16 +9,25 @@ namespace dolfinx_impact::integrators
 {
 using common::Stopwatch;
 
-void ContactForces::add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns)
+void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
 {
-  auto* springs = dynamic_cast<enforcement::SpringForces*>(contact.get());
-  auto* kinematic = dynamic_cast<enforcement::KinematicContact*>(contact.get());
-  if (!springs && !kinematic)
-    throw std::invalid_argument("a contact has to act: by SpringForces or as a KinematicContact");
-  _springs = _springs || springs;
-  if (kinematic)
-    _kinematic_step.add(kinematic);
-  _contacts.push_back({std::move(contact), springs, kinematic != nullptr, columns, {}});
+  std::vector<enforcement::SpringForces*> springs;
+  std::vector<enforcement::KinematicContact*> kinematic;
+  for (const auto& direction : pair.directions())
+    if (auto* const force = dynamic_cast<enforcement::SpringForces*>(direction.get()))
+      springs.push_back(force);
+    else if (auto* const correction = dynamic_cast<enforcement::KinematicContact*>(direction.get()))
+      kinematic.push_back(correction);
+    else
+      throw std::invalid_argument("a contact has to act: by SpringForces or as a KinematicContact");
+  if (!springs.empty() && !kinematic.empty())
+    throw std::invalid_argument("one direction of a pair acts by SpringForces and the other as a KinematicContact");
+  for (const auto& direction : pair.directions())
+    _directions.push_back(direction.get());
+  _springs.insert(_springs.end(), springs.begin(), springs.end());
+  for (enforcement::KinematicContact* contact : kinematic)
+    _kinematic_step.add(contact);
+  _pairs.push_back({std::move(pair), !kinematic.empty(), columns, {}});
   _search_due = true;
 }
 
@@ -48,61 +57,63 @@ void ContactForces::search(NodalFields& fields, double last_step)
   std::vector<double> du(fields.v.begin(), fields.v.begin() + fields.owned);
   for (double& value : du)
     value *= last_step > 0.0 ? last_step : _step;
-  for (Contact& c : _contacts)
+  for (enforcement::NodalContact* contact : _directions)
   {
-    c.contact->search({fields.u.data(), fields.owned}, du);
-    const auto nodes = c.contact->remote_nodes();
+    contact->search({fields.u.data(), fields.owned}, du);
+    const auto nodes = contact->remote_nodes();
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (!std::binary_search(known.begin(), known.end(), nodes[k]))
-        found.emplace_back(nodes[k], c.contact->remote_owners()[k]);
+        found.emplace_back(nodes[k], contact->remote_owners()[k]);
   }
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   fields.add_ghosts(found);
   std::vector<std::int32_t> nodes;
-  for (Contact& c : _contacts)
+  for (enforcement::NodalContact* contact : _directions)
   {
-    const auto needed = c.contact->needs(*fields.halo);
+    const auto needed = contact->needs(*fields.halo);
     nodes.insert(nodes.end(), needed.begin(), needed.end());
   }
   _nodes.number(fields, std::move(nodes), has_kinematic());
-  for (Contact& c : _contacts)
-    c.contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
+  for (enforcement::NodalContact* contact : _directions)
+    contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
   _kinematic_step.number(*fields.halo, *_nodes.halo(), _nodes.numbers());
   _search_due = false;
 }
 
 void ContactForces::move_obstacles(const double* amplitudes, bool first)
 {
-  for (Contact& c : _contacts)
+  for (Pair& pair : _pairs)
   {
-    if (c.columns[0] < 0)
+    if (pair.columns[0] < 0)
       continue;
-    Obstacle& o = c.obstacle;
+    Obstacle& o = pair.obstacle;
     std::array<double, 3> displacement{};
     for (int k = 0; k < 3; ++k)
-      displacement[k] = amplitudes[c.columns[k]];
+      displacement[k] = amplitudes[pair.columns[k]];
     o.increment_before = o.increment;
     for (int k = 0; k < 3; ++k)
       o.increment[k] = first ? 0.0 : displacement[k] - o.displacement[k];
     o.displacement = displacement;
-    c.contact->set_obstacle(o.displacement, o.increment);
+    for (const auto& direction : pair.contact.directions())
+      direction->set_obstacle(o.displacement, o.increment);
   }
 }
 
 double ContactForces::largest_position() const
 {
   double largest = 0.0;
-  for (const Contact& c : _contacts)
-    largest = std::max(largest, c.contact->largest_position());
+  for (const enforcement::NodalContact* contact : _directions)
+    largest = std::max(largest, contact->largest_position());
   return largest;
 }
 
-double ContactForces::half_work(const Contact& contact, const std::array<double, 3>& increment, int bs)
+double ContactForces::half_work(const Pair& pair, const std::array<double, 3>& increment, int bs)
 {
+  const std::array<double, 3> force = pair.contact.force();
   double work = 0.0;
   for (int k = 0; k < bs; ++k)
-    work += 0.5 * increment[k] * contact.contact->force()[k];
+    work += 0.5 * increment[k] * force[k];
   return work;
 }
 
@@ -113,37 +124,36 @@ enforcement::NodalState ContactForces::state() const
 
 void ContactForces::check_step() const
 {
-  if (!_contacts.empty() && !(_step > 0.0))
+  if (!empty() && !(_step > 0.0))
     throw std::invalid_argument("contact has no step to make its stiffness for: call set_contact_step first");
 }
 
 bool ContactForces::work_of_step(NodalFields& fields, double last_step)
 {
-  if (_contacts.empty())
+  if (empty())
     return false;
   const Stopwatch watch(_seconds);
-  _work.done += 0.5 * _nodes.gather(fields, last_step, _springs);
-  for (const Contact& c : _contacts)
-    _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
+  _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
+  for (const Pair& pair : _pairs)
+    _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
   _half_obstacle_work = _obstacle_work;
   if (!_search_due)
     return false;
   search(fields, last_step);
-  _nodes.gather(fields, last_step, _springs);
+  _nodes.gather(fields, last_step, has_springs());
   return true;
 }
 
 void ContactForces::evaluate(NodalFields& fields)
 {
-  if (!_springs)
+  if (!has_springs())
     return;
   const Stopwatch watch(_seconds);
-  for (Contact& c : _contacts)
-    if (c.springs)
-    {
-      c.springs->add_forces(state(), _nodes.springs);
-      _obstacle_work += half_work(c, c.obstacle.increment, fields.bs);
-    }
+  for (enforcement::SpringForces* springs : _springs)
+    springs->add_forces(state(), _nodes.springs);
+  for (const Pair& pair : _pairs)
+    if (!pair.kinematic)
+      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
   const ContactNodes::Products products = _nodes.add_springs(fields);
   _position = products.position;
   _work.before = 0.5 * products.work;
@@ -152,11 +162,11 @@ void ContactForces::evaluate(NodalFields& fields)
 void ContactForces::predict_searches()
 {
   _searches_due = 0.0;
-  if (_contacts.empty())
+  if (empty())
     return;
   const Stopwatch watch(_seconds);
-  for (const Contact& c : _contacts)
-    _searches_due += !(c.contact->used(state()) < 1.0);
+  for (const enforcement::NodalContact* contact : _directions)
+    _searches_due += !(contact->used(state()) < 1.0);
 }
 
 void ContactForces::keep(const NodalFields& fields)
@@ -179,9 +189,9 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
     n.kinematic[k] = 0.0;
   }
   _kinematic_step.correct({n.du, n.du_before, n.inverse, h * dt, dt, release_share}, n.u, n.kinematic);
-  for (const Contact& c : _contacts)
-    if (c.kinematic)
-      _obstacle_work += half_work(c, c.obstacle.increment_before, fields.bs);
+  for (const Pair& pair : _pairs)
+    if (pair.kinematic)
+      _obstacle_work += half_work(pair, pair.obstacle.increment_before, fields.bs);
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
     for (int c = 0; c < bs; ++c)
@@ -206,21 +216,21 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
 
 void ContactForces::add_energies(EnergySums& sums) const
 {
-  if (_springs)
+  if (has_springs())
   {
     sums.work[std::size_t(WorkKind::contact)] += _work.value();
     sums.terms_position -= 0.5 * _position;
   }
   sums.load_work += _obstacle_work;
   sums.searches_due = _searches_due;
-  for (const Contact& c : _contacts)
+  for (const Pair& pair : _pairs)
   {
-    const enforcement::ContactEnergy energy = c.contact->energy();
+    const enforcement::ContactEnergy energy = pair.contact.energy();
     sums.stored += energy.stored;
     sums.friction += energy.friction;
     sums.normal += energy.normal;
-    sums.passages += c.contact->passage().node >= 0;
-    if (c.kinematic)
+    sums.passages += pair.contact.passage().node >= 0;
+    if (pair.kinematic)
     {
       sums.kinematic += energy.normal;
       sums.taken -= energy.normal + energy.later_normal;
@@ -231,24 +241,25 @@ void ContactForces::add_energies(EnergySums& sums) const
 
 void ContactForces::resultants(int bs, double* out) const
 {
-  for (const Contact& c : _contacts)
+  for (const Pair& pair : _pairs)
   {
-    std::copy_n(c.contact->force().begin(), bs, out);
+    const std::array<double, 3> force = pair.contact.force();
+    std::copy_n(force.begin(), bs, out);
     out += 3;
   }
 }
 
 void ContactForces::update_gaps()
 {
-  for (Contact& c : _contacts)
-    c.contact->update_gaps(_nodes.u);
+  for (enforcement::NodalContact* contact : _directions)
+    contact->update_gaps(_nodes.u);
 }
 
 std::pair<int, enforcement::Passage> ContactForces::passage() const
 {
   std::pair<int, enforcement::Passage> fastest{-1, {}};
-  for (std::size_t k = 0; k < _contacts.size(); ++k)
-    if (const enforcement::Passage p = _contacts[k].contact->passage(); p.facets > fastest.second.facets)
+  for (std::size_t k = 0; k < _pairs.size(); ++k)
+    if (const enforcement::Passage p = _pairs[k].contact.passage(); p.facets > fastest.second.facets)
       fastest = {int(k), p};
   return fastest;
 }
@@ -256,33 +267,35 @@ std::pair<int, enforcement::Passage> ContactForces::passage() const
 std::vector<ContactForces::Obstacle> ContactForces::obstacles() const
 {
   std::vector<Obstacle> out;
-  out.reserve(_contacts.size());
-  for (const Contact& c : _contacts)
-    out.push_back(c.obstacle);
+  out.reserve(_pairs.size());
+  for (const Pair& pair : _pairs)
+    out.push_back(pair.obstacle);
   return out;
 }
 
 void ContactForces::forget_searches()
 {
-  for (Contact& c : _contacts)
-    c.contact->forget_search();
+  for (enforcement::NodalContact* contact : _directions)
+    contact->forget_search();
   _search_due = true;
 }
 
 void ContactForces::restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
                             const std::vector<Obstacle>& obstacles)
 {
-  if (_contacts.empty())
+  if (empty())
     return;
   _nodes.restore(std::move(forces));
   _work = work;
   _position = position;
   _obstacle_work = obstacle_work;
-  for (std::size_t k = 0; k < _contacts.size(); ++k)
+  for (std::size_t k = 0; k < _pairs.size(); ++k)
   {
-    _contacts[k].obstacle = obstacles[k];
-    _contacts[k].contact->restore_obstacle(obstacles[k].displacement, obstacles[k].increment);
-    _contacts[k].contact->forget_search();
+    _pairs[k].obstacle = obstacles[k];
+    for (const auto& direction : _pairs[k].contact.directions())
+      direction->restore_obstacle(obstacles[k].displacement, obstacles[k].increment);
   }
+  for (enforcement::NodalContact* contact : _directions)
+    contact->forget_search();
 }
 } // namespace dolfinx_impact::integrators

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../enforcement/node_to_surface/KinematicStep.h"
+#include "../enforcement/node_to_surface/NodalPair.h"
 #include "ContactNodes.h"
 #include "Loads.h"
 #include "energy.h"
 #include "update.h"
 #include <array>
-#include <memory>
 #include <utility>
 #include <vector>
 
 namespace dolfinx_impact::integrators
 {
-/// All contacts of a run: their candidates, rigid masters that move, and their forces. Springs act at a time level and
-/// are part of the residual; kinematic contact corrects what an update has predicted.
+/// The contacts of all pairs of a run: their candidates, rigid masters that move, and their forces. Springs act at a
+/// time level and are part of the residual; kinematic contact corrects what an update has predicted. Candidates, nodes
+/// and forces are those of the directions of the pairs; resultants, passages and obstacles are told by pair.
 class ContactForces
 {
 public:
@@ -25,15 +26,17 @@ public:
     std::array<double, 3> increment_before{}; ///< in the step before it
   };
 
-  /// @param[in] contact the contact
+  /// @param[in] pair contact of a pair, in one direction or both
   /// @param[in] columns of the amplitudes with the displacement of a rigid master; -1: it stays
-  /// @throws std::invalid_argument for a contact that is neither SpringForces nor a KinematicContact
-  void add(std::shared_ptr<enforcement::NodalContact> contact, std::array<int, 3> columns);
-  bool empty() const { return _contacts.empty(); }
-  std::size_t size() const { return _contacts.size(); }
+  /// @throws std::invalid_argument for a direction that is neither SpringForces nor a KinematicContact, or directions
+  /// that act differently
+  void add(enforcement::NodalPair pair, std::array<int, 3> columns);
+  bool empty() const { return _pairs.empty(); }
+  /// Number of pairs.
+  std::size_t size() const { return _pairs.size(); }
   /// Largest size of a number that positions of rigid masters are computed from [L].
   double largest_position() const;
-  bool has_springs() const { return _springs; }
+  bool has_springs() const { return !_springs.empty(); }
   bool has_kinematic() const { return !_kinematic_step.empty(); }
 
   /// The step that automatic stiffnesses are made for; to be set before the first step [T].
@@ -46,7 +49,7 @@ public:
   /// A run starts, or goes on from other displacements: candidates are searched anew.
   void reset();
   void request_search() { _search_due = true; }
-  bool search_due() const { return _search_due && !_contacts.empty(); }
+  bool search_due() const { return _search_due && !empty(); }
   /// Find candidates, ask for their nodes and number them. Collective.
   /// @param[in,out] fields get ghosts for all candidates' nodes
   /// @param[in] last_step that led here; 0 at the start [T]
@@ -84,12 +87,12 @@ public:
   double obstacle_work() const { return _obstacle_work; }
   /// The same up to half a step before the present time level [F L].
   double half_obstacle_work() const { return _half_obstacle_work; }
-  /// Three components of each contact's force on its slave in the last step, of this rank [F].
-  /// @param[out] out three entries for each contact; those beyond `bs` components stay as they are
+  /// Three components of the force on the slave of each pair in the last step, of this rank [F].
+  /// @param[out] out three entries for each pair; those beyond `bs` components stay as they are
   void resultants(int bs, double* out) const;
   /// Bring the gaps of all nodes up to date in the contacts' results.
   void update_gaps();
-  /// The contact that a slave node of this rank went through fastest (-1: none), and the node.
+  /// The pair with the fastest passage of a slave node of this rank through the master (-1: none), and the node.
   std::pair<int, enforcement::Passage> passage() const;
   double seconds() const { return _seconds; }
   Halo::Traffic traffic() const { return _nodes.traffic(); }
@@ -106,23 +109,24 @@ public:
   void commit() { _work.commit(0.0); }
 
 private:
-  struct Contact
+  struct Pair
   {
-    std::shared_ptr<enforcement::NodalContact> contact;
-    enforcement::SpringForces* springs; ///< the same contact, or null
+    enforcement::NodalPair contact;
     bool kinematic;
     std::array<int, 3> columns;
     Obstacle obstacle;
   };
   enforcement::NodalState state() const;
-  /// Half the work of a contact's force in the motion of its rigid master.
-  static double half_work(const Contact& contact, const std::array<double, 3>& increment, int bs);
+  /// Half the work of a pair's force in the motion of its rigid master.
+  static double half_work(const Pair& pair, const std::array<double, 3>& increment, int bs);
 
-  std::vector<Contact> _contacts;
+  std::vector<Pair> _pairs;
+  std::vector<enforcement::NodalContact*> _directions; ///< of all pairs, in their order
+  std::vector<enforcement::SpringForces*> _springs;    ///< those of them that are springs
   ContactNodes _nodes;
   enforcement::KinematicStep _kinematic_step;
-  bool _springs = false, _search_due = true;
-  double _searches_due = 0.0; ///< contacts whose candidates are used up, as far as this rank knows
+  bool _search_due = true;
+  double _searches_due = 0.0; ///< directions whose candidates are used up, as far as this rank knows
   double _step = 0.0;
   Work _work;             ///< of the springs
   double _position = 0.0; ///< u . springs' forces

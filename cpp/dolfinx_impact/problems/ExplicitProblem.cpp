@@ -83,11 +83,7 @@ void reset(enforcement::NodeToSurface& contact)
   contact.set_history(history);
   contact.set_energy({});
   if (auto* springs = dynamic_cast<enforcement::NodePenalty*>(&contact))
-  {
     springs->set_springs(std::vector<enforcement::Spring>(springs->springs().size()));
-    if (springs->other())
-      reset(*springs->other());
-  }
   if (auto* kinematic = dynamic_cast<enforcement::KinematicContact*>(&contact))
   {
     const std::vector<double> none(kinematic->impulse().size(), 0.0);
@@ -167,8 +163,9 @@ void ExplicitProblem::go_back()
     if (operation->has_history())
       operation->restore_snapshot();
   for (const ContactInTime& c : _contacts)
-    if (auto* contact = dynamic_cast<enforcement::NodeToSurface*>(c.contact.get()))
-      reset(*contact);
+    for (const auto& direction : c.contact.directions())
+      if (auto* contact = dynamic_cast<enforcement::NodeToSurface*>(direction.get()))
+        reset(*contact);
 }
 
 std::string ExplicitProblem::unsolved() const
@@ -182,8 +179,11 @@ void ExplicitProblem::check_overlap()
 {
   for (const ContactInTime& c : _contacts)
   {
-    const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(c.contact.get());
-    const long long deep = common::sum(comm(), (long long)(contact ? contact->implausible() : 0));
+    long long deep = 0;
+    for (const auto& direction : c.contact.directions())
+      if (const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(direction.get()))
+        deep += contact->implausible();
+    deep = common::sum(comm(), deep);
     if (deep > 0)
       throw common::BadValue(c.name + ": " + std::to_string(deep) +
                              " slave nodes lie deeper in the master than half a facet: the bodies overlap at the "

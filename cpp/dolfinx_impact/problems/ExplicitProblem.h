@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../enforcement/node_to_surface/NodalContact.h"
+#include "../enforcement/node_to_surface/NodalPair.h"
 #include "../integrators/CentralDifference.h"
 #include "../integrators/SafeStep.h"
 #include "../state/State.h"
@@ -18,7 +18,7 @@ namespace dolfinx_impact::problems
 /// A contact of a problem in time.
 struct ContactInTime
 {
-  std::shared_ptr<enforcement::NodalContact> contact;
+  enforcement::NodalPair contact;
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
   /// Upper bound of the angular frequency that its springs of given stiffness add; springs by the step or the bodies

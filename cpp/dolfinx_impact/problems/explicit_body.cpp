@@ -18,49 +18,6 @@ using operators::Integral;
 typedef dolfinx::fem::Function<double> Function;
 typedef std::map<std::string, std::shared_ptr<const Function>> Coefficients;
 
-/// Finds kernels for the cells of a space, with constants and cells.
-class Kernels
-{
-public:
-  explicit Kernels(const dolfinx::fem::FunctionSpace<double>& V)
-      : _key{"", dolfinx::mesh::to_string(V.mesh()->topology()->cell_type()), V.element()->basix_element().degree(),
-             V.mesh()->geometry().cmap().degree()}
-  {
-  }
-
-  std::vector<const impact_kernel*> find(const std::string& name, const std::string& hypothesis) const
-  {
-    kernels::Key key = _key;
-    key.name = name;
-    key.hypothesis = hypothesis;
-    return kernels::find(key);
-  }
-  const impact_kernel& one(const std::string& name, const std::string& hypothesis) const
-  {
-    const auto found = find(name, hypothesis);
-    if (found.size() != 1)
-      throw std::runtime_error("there are " + std::to_string(found.size()) + " kernels " + name + ", one is needed");
-    return *found[0];
-  }
-  int degree() const { return _key.degree; }
-  bool simplices() const { return _key.cell == "triangle" || _key.cell == "tetrahedron"; }
-
-private:
-  kernels::Key _key;
-};
-
-/// Has the law internal variables? Then its kernels of forces have its name alone.
-bool is_plastic(const KernelMaterial& law)
-{
-  return law.name.starts_with("j2.");
-}
-
-/// The elastic law that bounds frequencies and damps.
-std::string elastic_name(const KernelMaterial& law)
-{
-  return is_plastic(law) ? "linear_elastic" : law.name;
-}
-
 std::string tangent_name(const KernelMaterial& law)
 {
   return law.name.starts_with("j2.finite") ? "elastic_stiffness.finite" : elastic_name(law) + ".tangent";
@@ -100,33 +57,16 @@ integrators::FormForces split(const std::shared_ptr<const dolfinx::fem::Function
   return {make(inner), make(outer), u, v};
 }
 
-/// Masses of a material's cells by local degree of freedom.
-std::vector<double> cell_masses(const Kernels& kernels, const dolfinx::fem::FunctionSpace<double>& V,
-                                const ExplicitMaterial& material, const std::vector<std::int32_t>& cells,
-                                Lumping lumping)
-{
-  const std::string& hypothesis = material.law.hypothesis;
-  if (lumping == Lumping::automatic)
-    lumping = kernels.degree() == 1                                 ? Lumping::row_sum
-              : kernels.simplices() || hypothesis == "axisymmetric" ? Lumping::hrz
-                                                                    : Lumping::nodal;
-  const auto integral = [&](const char* name)
-  { return Integral{&kernels.one(name, hypothesis), cells, {material.density}}; };
-  if (lumping == Lumping::hrz)
-    return operators::cell_masses_hrz(integral("mass"), V);
-  return operators::cell_masses_nodal(integral(lumping == Lumping::nodal ? "nodal_mass" : "row_sum"),
-                                      integral("row_sum"), V);
-}
 } // namespace
 
-ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector<ExplicitMaterial>& materials,
+ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector<DynamicMaterial>& materials,
                            const ExplicitBodyOptions& options, const dolfinx::mesh::MeshTags<std::int32_t>* tags)
 {
   const auto V = u->function_space();
   const auto& topology = *V->mesh()->topology();
   const std::int32_t num_cells = topology.index_map(topology.dim())->size_local();
   const std::size_t width = std::size_t(V->dofmap()->bs()) * V->dofmap()->element_dof_layout().num_dofs();
-  const Kernels kernels(*V);
+  const KernelFinder kernels(*V);
   const auto velocity = std::make_shared<Function>(V);
   const Coefficients both{{"u", u}, {"velocity", velocity}};
   ExplicitBody body;
@@ -134,26 +74,15 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
   std::vector<Integral> forces, damping, viscosity;
   std::vector<operators::CellBounds::Part> stiffness;
   std::vector<double> masses(std::size_t(num_cells) * width, 0.0);
-  std::vector<std::int8_t> seen(num_cells, 0);
   bool linear = true;
   const std::size_t num_plastic =
-      std::ranges::count_if(materials, [](const ExplicitMaterial& m) { return is_plastic(m.law); });
+      std::ranges::count_if(materials, [](const DynamicMaterial& m) { return is_plastic(m.law); });
   if (num_plastic > 0 && num_plastic < materials.size())
     throw std::invalid_argument("materials with and without internal variables: the elastic energy of the latter is "
                                 "not known; give all of them internal variables, with a yield stress that is not met");
-  const auto add = [&](const ExplicitMaterial& material)
+  const auto add = [&](const DynamicMaterial& material, const std::vector<std::int32_t>& cells)
   {
     const KernelMaterial& law = material.law;
-    if (!(material.density > 0.0))
-      throw std::invalid_argument("the density of " + law.name + " must be positive");
-    std::vector<std::int32_t> cells;
-    for (std::int32_t cell = 0; !material.tag && cell < num_cells; ++cell)
-      cells.push_back(cell);
-    if (material.tag && !tags)
-      throw std::invalid_argument("a material has a tag, but no tags of cells were given");
-    for (std::size_t k = 0; material.tag && k < tags->indices().size(); ++k)
-      if (tags->values()[k] == *material.tag && tags->indices()[k] < num_cells)
-        cells.push_back(tags->indices()[k]);
     std::map<std::string, std::vector<double>> constants = law.constants;
     constants["density"] = {material.density};
     constants["beta"] = {options.beta};
@@ -177,23 +106,17 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
       linear = linear && !varies;
       stiffness.push_back({std::move(tangent), varies ? Coefficients{{"u", u}} : Coefficients{}, varies});
     }
-    const std::vector<double> m = cell_masses(kernels, *V, material, cells, options.lumping);
+    const std::vector<double> m = lumped_masses(kernels, *V, material, cells, options.lumping);
     for (std::size_t k = 0; k < cells.size(); ++k)
-    {
-      if (seen[cells[k]])
-        throw std::invalid_argument("a cell has two materials");
-      seen[cells[k]] = 1;
       std::copy_n(m.begin() + std::ptrdiff_t(k * width), width,
                   masses.begin() + std::ptrdiff_t(std::size_t(cells[k]) * width));
-    }
   };
   common::agree(V->mesh()->comm(),
                 [&]
                 {
-                  for (const ExplicitMaterial& material : materials)
-                    add(material);
-                  if (std::ranges::any_of(seen, [](std::int8_t one) { return !one; }))
-                    throw std::invalid_argument("a cell has no material");
+                  const auto cells = cells_of(materials, topology, tags);
+                  for (std::size_t k = 0; k < materials.size(); ++k)
+                    add(materials[k], cells[k]);
                 });
   body.internal = split(V, forces, {{"u", u}});
   body.linear = linear && num_plastic == 0;

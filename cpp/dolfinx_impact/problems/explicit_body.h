@@ -1,31 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "DynamicMaterial.h"
 #include "ExplicitBody.h"
-#include "KernelBody.h"
 #include <dolfinx/mesh/MeshTags.h>
 #include <optional>
 #include <vector>
 
 namespace dolfinx_impact::problems
 {
-/// A material of explicit steps, with internal variables or without.
-struct ExplicitMaterial
-{
-  /// Kernels NAME.force and NAME.tangent, or those of a law with internal variables: "j2.small.linear". Damping has
-  /// NAME.damping, bulk viscosity NAME.viscosity; those of a law with internal variables are of its elastic part.
-  KernelMaterial law;
-  double density = 0.0;                  ///< of the undeformed body [M/L^3]
-  std::optional<int> tag = std::nullopt; ///< of its cells; nothing: all
-};
-
-enum class Lumping
-{
-  automatic, ///< row sums at degree 1; else HRZ on simplices and axisymmetric bodies, nodal on other cells
-  row_sum,
-  hrz,  ///< Hinton, Rock and Zienkiewicz (1976)
-  nodal ///< Gauss-Lobatto-Legendre rule at the nodes
-};
-
 struct ExplicitBodyOptions
 {
   Lumping lumping = Lumping::automatic;
@@ -42,6 +24,6 @@ struct ExplicitBodyOptions
 /// @throws std::invalid_argument if a constant is missing, materials with and without internal variables are mixed
 /// @throws common::BadValue on all ranks for cells or nodes without mass
 ExplicitBody explicit_body(const std::shared_ptr<dolfinx::fem::Function<double>>& u,
-                           const std::vector<ExplicitMaterial>& materials, const ExplicitBodyOptions& options = {},
+                           const std::vector<DynamicMaterial>& materials, const ExplicitBodyOptions& options = {},
                            const dolfinx::mesh::MeshTags<std::int32_t>* tags = nullptr);
 } // namespace dolfinx_impact::problems

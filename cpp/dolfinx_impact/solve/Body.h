@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <optional>
 #include <petscmat.h>
 #include <petscvec.h>
 #include <span>
@@ -23,9 +24,14 @@ public:
   virtual std::string fault() { return ""; }
   /// Take the state of the last residual as the one that the next step begins from.
   virtual void accept_step() {}
+  /// Energy stored in the bodies and their foundations at the last residual, of all ranks; nothing: it is not known
+  /// [F L].
+  virtual std::optional<double> stored_energy() { return {}; }
 
-  /// Whether the tangent does not change with the displacement.
+  /// Whether the tangent does not change with the displacement, so that one serves an increment.
   virtual bool linear() const { return false; }
+  /// Whether it does not change with time either, so that one serves all steps.
+  virtual bool keeps_tangent() const { return linear(); }
   virtual bool symmetric() const { return true; }
   /// Whether there are internal variables: tangents of two iterations may be far apart.
   virtual bool inelastic() const { return false; }

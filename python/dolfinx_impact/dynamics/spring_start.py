@@ -11,7 +11,6 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..common.types import BoolArray, FloatArray, IntArray
-from ..contact.explicit.springs import searched
 
 if TYPE_CHECKING:
     from .explicit import ExplicitProblem
@@ -96,9 +95,10 @@ class SpringStart:
         """Force of new springs in a configuration along the normal, of all ranks [F]. Collective."""
         problem, contact = self._problem, self._contact
         masses = problem.mass.array[: problem.num_owned : self._gdim]
-        twin, halo, values = searched(contact, u, _cpp.nodal.NodePenalty, masses, **contact.parameters)
+        twin, halo, values = contact.searched(u, _cpp.nodal.NodePenalty, masses, **contact.parameters)
         zero = np.zeros_like(values)
-        twin.add_forces(halo, values, zero, np.ones_like(values), problem.contact_step, zero.copy())
+        for side in twin.directions:
+            side.add_forces(halo, values, zero, np.ones_like(values), problem.contact_step, zero.copy())
         force = self._comm.allreduce(np.array(twin.force)[: self._gdim], MPI.SUM)
         return float(force @ self._normal)
 

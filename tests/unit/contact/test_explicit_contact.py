@@ -187,6 +187,12 @@ def test_overlap_at_the_start_is_refused(method):
         b.problem(method(b.pair((1, "bottom"), (0, "top"))))
 
 
+def test_balanced_contact_with_an_obstacle_is_refused():
+    b = Bodies(((0.0, 0.1), (0.5, 0.5), (2, 2), (0, -1.0)))
+    with pytest.raises(ValueError, match="rigid master has one direction, it cannot be balanced"):
+        b.problem(di.Penalty(b.pair((0, "bottom"), FLOOR), balanced=True))
+
+
 @METHODS
 def test_flush_edges(method):
     """Equal faces, meshes that do not match, nu = 0: the nodes at the edges stay over the other body but for the slope

@@ -39,7 +39,8 @@ def follow(comm, cell, degree, options, always, keep=False):
         always: search for candidates in every step. keep: facing is judged by the normals of the last search.
     """
     model = two_bodies(cell, degree, comm, seed=3, gap=0.01, **options)
-    model.contact.keep_normals(keep)
+    for side in model.sides:
+        side.keep_normals(keep)
     rows, before = [], tumbling(model, 0)
     for step in range(STEPS):
         u = tumbling(model, step)

@@ -48,7 +48,7 @@ def check_forces():
                 total = model.comm.allreduce(f.sum(axis=0))
                 size = model.comm.allreduce(np.abs(f).sum())
                 assert size > 0 and np.abs(total).max() < 1e-13 * size
-                force = model.comm.allreduce(np.array(model.contact.force))
+                force = model.comm.allreduce(model.pair.force)
                 assert np.any(np.abs(force) > 1e-3 * size)
             compare(models, results, SAME)
 

@@ -15,14 +15,20 @@ import partitioned_bodies  # noqa: E402
 
 
 class Nodal:
-    """A contact with nodal masses; arrays over the nodes of its Halo. `master` None: that of the pair."""
+    """A contact with nodal masses; arrays over the nodes of its Halo. `sides`: its directions, `contact`: the first."""
 
-    def __init__(self, V, slave, master, dt=1e-3, mass=None, kinematic=False, **options):
+    def __init__(self, V, slave, master, dt=1e-3, mass=None, kinematic=False, balanced=False, **options):
         self.V, self.dim, self.dt, self.comm = V, V.mesh.geometry.dim, dt, V.mesh.comm
         self.map = V.dofmap.index_map
         self.num = self.map.size_local
-        law = _cpp.nodal.KinematicContact if kinematic else _cpp.nodal.NodePenalty
-        self.kinematic, self.contact = kinematic, law(V._cpp_object, slave, master, **options)
+        self.kinematic = kinematic
+        if balanced:
+            self.pair = _cpp.nodal.balanced_penalty(V._cpp_object, slave, master, **options)
+        else:
+            law = _cpp.nodal.KinematicContact if kinematic else _cpp.nodal.NodePenalty
+            self.pair = _cpp.nodal.NodalPair([law(V._cpp_object, slave, master, **options)])
+        self.sides = self.pair.directions
+        self.contact = self.sides[0]
         x = V.tabulate_dof_coordinates()[: self.num]
         self.x = x[:, : self.dim].copy()
         # Masses that do not depend on numbering or ranks.
@@ -31,13 +37,17 @@ class Nodal:
 
     def renumber(self, u):
         """Search, and a Halo with what the contact asks for; u: rows of owned nodes."""
-        self.contact.search(np.ascontiguousarray(u[: self.num]).reshape(-1), np.zeros(0))
-        ghosts = np.concatenate([self.map.ghosts, self.contact.remote_nodes])
-        owners = np.concatenate([self.map.owners, self.contact.remote_owners]).astype(np.int32)
+        for side in self.sides:
+            side.search(np.ascontiguousarray(u[: self.num]).reshape(-1), np.zeros(0))
+        remote, first = np.unique(np.concatenate([side.remote_nodes for side in self.sides]), return_index=True)
+        remote_owners = np.concatenate([side.remote_owners for side in self.sides])[first]
+        ghosts = np.concatenate([self.map.ghosts, remote])
+        owners = np.concatenate([self.map.owners, remote_owners]).astype(np.int32)
         self.index_map = IndexMap(self.comm, self.num, ghosts, owners)
         self.halo = _cpp.operators.Halo(self.index_map)
         self.mass = self.spread(self.mass_owned[:, None]).reshape(-1)
-        self.contact.number(self.halo, self.mass)
+        for side in self.sides:
+            side.number(self.halo, self.mass)
         self.inverse = np.repeat(1 / self.mass, self.dim)
 
     def spread(self, rows):
@@ -76,9 +86,11 @@ class Nodal:
         u = self.spread(u)
         du = self.spread(np.zeros_like(u) if du is None else du)
         f = np.zeros(u.size)
-        self.contact.add_forces(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt, f)
+        state = self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt
+        for side in self.sides:
+            side.add_forces(*state, f)
         self.halo.reverse(f, self.dim)
-        self.used = self.contact.used(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt)
+        self.used = max(side.used(*state) for side in self.sides)
         return f.reshape(-1, self.dim)[: self.num]
 
     def correct(self, u, du, h=None, search=True):

@@ -63,3 +63,34 @@ def test_forces_are_those_of_the_oracle(cell, degree, friction):
 
 def oracle_force(f, nodes):
     return f[nodes].sum(axis=0)
+
+
+@pytest.mark.parametrize("cell,degree", (("triangle", 2), ("hexahedron", 1)))
+def test_balanced_contact_is_two_contacts_of_half_the_penalty(cell, degree):
+    """Forces and energies are the sums, the force on the slave is the difference of both sides' forces."""
+    dim = 2 if cell == "triangle" else 3
+    V, slave, master = partitioned_bodies.two_bodies(
+        MPI.COMM_SELF, dim, cell, 1, degree, offset=(0.07,) * (dim - 1), gap=-0.004
+    )
+    both = Nodal(V, slave, master, balanced=True, penalty=2e4, friction=0.3)
+    alone = [Nodal(V, *surfaces, penalty=1e4, friction=0.3) for surfaces in ((slave, master), (master, slave))]
+    before = smooth(both.x, 0.03)
+    for step in range(4):
+        u = smooth(both.x, 0.03, 0.4 * step)
+        f, parts = both.forces(u, u - before), [model.forces(u, u - before) for model in alone]
+        before = u
+        np.testing.assert_allclose(f, sum(parts), rtol=0, atol=1e-14 * np.abs(f).max())  # summed in another order
+        for side, model in zip(both.sides, alone):
+            for name, values in model.contact.history().items():
+                np.testing.assert_array_equal(side.history()[name], values)
+    assert all(np.any(np.asarray(model.contact.force)) for model in alone)
+    np.testing.assert_array_equal(both.pair.force[:dim], alone[0].contact.force - alone[1].contact.force)
+    for name, value in both.pair.energy().items():
+        assert value == sum(model.contact.energy()[name] for model in alone)
+    assert both.pair.energy()["stored"] > 0.0
+
+
+@pytest.mark.parametrize("share", (0.0, -0.5, 1.5, np.nan))
+def test_a_share_of_the_stiffness_is_a_part(share):
+    with pytest.raises(ValueError, match="share of a contact's stiffness"):
+        with_oracle("quadrilateral", 1, share=share)

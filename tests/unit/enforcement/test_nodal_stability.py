@@ -22,7 +22,7 @@ def test_stiffness_is_bounded(cell, degree, cells, balanced):
     """Largest eigenvalue of M^-1 K_c dt^2 <= kappa, all nodes closed; K_c by differences with normals as they are."""
     model = two_bodies(cell, degree, gap=-0.06, balanced=balanced, **cells)
     area = np.ones(model.num)
-    for contact in (model.contact, two_bodies(cell, degree, gap=-0.06, balanced=True, **cells).contact.other):
+    for contact in two_bodies(cell, degree, gap=-0.06, balanced=True, **cells).sides:
         area[contact.nodes] = contact.areas
     # Masses nearly in proportion to the nodes' areas, as in regular meshes.
     model.mass_owned = 0.3 * area * (1 + 0.3 * np.sin(5 * model.x[:, 0]))

@@ -19,7 +19,7 @@ FLIPS = 500
 
 def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
-    saved = problem._cpp_object.integrator.save()
+    saved = problem._cpp_object.integrator.saved_state()
     parts = [
         state(problem),
         [
@@ -30,7 +30,8 @@ def everything(problem):
             problem._history.largest,
         ],
     ]
-    parts += [*saved["arrays"].values(), *(list(saved[table].values()) for table in ("works", "common"))]
+    for part in (saved, saved.part("works"), saved.part("common")):
+        parts += [np.ravel(part.array(name)) for name in part.names]
     for contact in problem.contact:
         for side in contact.sides():
             parts += [np.ravel(values) for values in side.history().values()] + [list(side.energy().values())]

@@ -261,7 +261,7 @@ def test_contact_without_its_step_is_told():
     facets = mesh.locate_entities_boundary(b.mesh, 1, lambda x: np.isclose(x[1], 0.0))
     slave = _cpp.surface.make_surface(b.V._cpp_object, facets)
     plane = _cpp.gap.Rigid("plane", 2, [0.0, -0.1, 0.0], [0.0, 1.0, 0.0], 0.0)
-    solver.add_contact(_cpp.nodal.NodePenalty(b.V._cpp_object, slave, plane), [-1] * 3)
+    solver.add_contact(_cpp.nodal.NodalPair([_cpp.nodal.NodePenalty(b.V._cpp_object, slave, plane)]), [-1] * 3)
     solver.start(np.zeros(len(b.u.x.array)), np.zeros(len(b.u.x.array)))
     for call in (lambda: solver.run(np.array([1e-3]), np.zeros(0), 0, np.zeros(0)), solver.energies):
         with pytest.raises(ValueError, match="set_contact_step"):

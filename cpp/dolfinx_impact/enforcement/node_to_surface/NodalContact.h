@@ -36,8 +36,9 @@ struct Passage
   double facets = 0.0;    ///< depth of the passage in facet diameters (docs/explicit/penalty.md) [1]
 };
 
-/// Interface of a contact to the explicit integrator: candidates, nodes, energies. Forces on slave and master nodes are
-/// equal and opposite. A contact implements SpringForces as well, or is a KinematicContact: they say how forces act.
+/// Interface of a contact to the explicit integrator: candidates, nodes, energies. It is one direction of a pair: slave
+/// nodes against a master, with equal and opposite forces. A contact implements SpringForces as well, or is a
+/// KinematicContact: they say how forces act.
 class NodalContact
 {
 public:

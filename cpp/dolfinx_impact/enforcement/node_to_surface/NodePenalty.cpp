@@ -19,14 +19,15 @@ namespace
 /// the highest frequency, 1/0.9^2 - 1, times the 4 of the stable step itself.
 constexpr double most = 4.0 * 0.19 / 0.81;
 
-NodePenaltyOptions checked(const NodePenaltyOptions& o, bool rigid)
+NodePenaltyOptions checked(const NodePenaltyOptions& o)
 {
   if (!std::isfinite(o.penalty) || !(o.penalty >= 0.0))
     throw std::invalid_argument("the penalty of a contact is finite and not negative");
   if (!(o.kappa > 0.0) || !std::isfinite(o.kappa))
     throw std::invalid_argument("kappa is " + std::to_string(o.kappa) + ", it must be positive");
-  if (o.balanced && rigid)
-    throw std::invalid_argument("contact with a rigid obstacle has one direction: it cannot be balanced");
+  if (!(o.share > 0.0) || !(o.share <= 1.0))
+    throw std::invalid_argument("the share of a contact's stiffness is " + std::to_string(o.share) +
+                                ", it must be positive and at most one");
   return o;
 }
 } // namespace
@@ -35,12 +36,6 @@ NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets&
                          const NodePenaltyOptions& options)
     : NodePenalty(V, slave, &master, nullptr, options)
 {
-  if (!options.balanced)
-    return;
-  NodePenaltyOptions one_way = options;
-  one_way.balanced = false;
-  _other = std::make_unique<NodePenalty>(V, master, slave, one_way);
-  _share = _other->_share = 0.5;
 }
 
 NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
@@ -51,52 +46,20 @@ NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets&
 
 NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
                          const gap::Rigid* rigid, const NodePenaltyOptions& options)
-    : NodeToSurface(V, slave, master, rigid, checked(options, rigid != nullptr)), _penalty(options.penalty),
-      _kappa(options.kappa), _slave_compliance(num_nodes(), 0.0), _stiffness(num_nodes(), 0.0), _springs(num_nodes())
+    : NodeToSurface(V, slave, master, rigid, checked(options)), _penalty(options.penalty), _kappa(options.kappa),
+      _share(options.share), _slave_compliance(num_nodes(), 0.0), _stiffness(num_nodes(), 0.0), _springs(num_nodes())
 {
-}
-
-void NodePenalty::search(std::span<const double> u, std::span<const double> du)
-{
-  NodeToSurface::search(u, du);
-  const auto nodes = NodeToSurface::remote_nodes();
-  const auto owners = NodeToSurface::remote_owners();
-  std::vector<std::pair<std::int64_t, int>> all;
-  all.reserve(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    all.emplace_back(nodes[i], owners[i]);
-  if (_other)
-  {
-    _other->search(u, du);
-    for (std::size_t i = 0; i < _other->remote_nodes().size(); ++i)
-      all.emplace_back(_other->remote_nodes()[i], _other->remote_owners()[i]);
-  }
-  std::sort(all.begin(), all.end());
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  _all_remote.clear();
-  _all_owners.clear();
-  for (const auto& [node, owner] : all)
-  {
-    _all_remote.push_back(node);
-    _all_owners.push_back(owner);
-  }
 }
 
 std::span<const std::int32_t> NodePenalty::needs(operators::Halo& all)
 {
-  const auto own = NodeToSurface::needs(all);
-  if (!_master_known.empty())
+  if (!_known.master.empty())
   {
     _all_known.assign(all.num_nodes(), 0.0);
-    std::copy(_master_known.begin(), _master_known.end(), _all_known.begin());
+    std::copy(_known.master.begin(), _known.master.end(), _all_known.begin());
     all.forward(_all_known, 1);
   }
-  if (!_other)
-    return own;
-  const auto more = _other->needs(all);
-  _all_needed.clear();
-  std::set_union(own.begin(), own.end(), more.begin(), more.end(), std::back_inserter(_all_needed));
-  return _all_needed;
+  return NodeToSurface::needs(all);
 }
 
 void NodePenalty::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
@@ -115,51 +78,11 @@ void NodePenalty::number(operators::Halo& halo, std::span<const std::int32_t> nu
       _master_here.push_back(known[master]);
   }
   _compliance_step = 0.0;
-  if (_other)
-    _other->number(halo, numbers, mass);
 }
 
-double NodePenalty::used(const NodalState& state) const
+void NodePenalty::set_nodal_compliances(NodalCompliances compliances)
 {
-  return std::max(NodeToSurface::used(state), _other ? _other->used(state) : 0.0);
-}
-
-void NodePenalty::forget_search()
-{
-  NodeToSurface::forget_search();
-  if (_other)
-    _other->forget_search();
-}
-
-ContactEnergy NodePenalty::energy() const
-{
-  ContactEnergy out = _energy;
-  if (_other)
-  {
-    const ContactEnergy more = _other->energy();
-    out.stored += more.stored;
-    out.friction += more.friction;
-    out.normal += more.normal;
-  }
-  return out;
-}
-
-Passage NodePenalty::passage() const
-{
-  const Passage more = _other ? _other->passage() : Passage{};
-  return more.facets > _passage.facets ? more : _passage;
-}
-
-void NodePenalty::keep_normals(bool keep)
-{
-  NodeToSurface::keep_normals(keep);
-  if (_other)
-    _other->keep_normals(keep);
-}
-
-void NodePenalty::set_nodal_compliances(std::vector<double> slave, std::vector<double> master)
-{
-  for (const std::vector<double>* values : {&slave, &master})
+  for (const std::vector<double>* values : {&compliances.slave, &compliances.master})
   {
     if (values->size() != _candidates.num_owned())
       throw std::invalid_argument("nodal compliances: " + std::to_string(_candidates.num_owned()) +
@@ -168,10 +91,7 @@ void NodePenalty::set_nodal_compliances(std::vector<double> slave, std::vector<d
       if (!std::isfinite(value) || value < 0.0)
         throw std::invalid_argument("a nodal compliance is " + std::to_string(value) + ", it must not be negative");
   }
-  if (_other)
-    _other->set_nodal_compliances(master, slave);
-  _slave_known = std::move(slave);
-  _master_known = std::move(master);
+  _known = std::move(compliances);
   _compliance_step = 0.0;
 }
 
@@ -217,7 +137,7 @@ void NodePenalty::update_compliances(double dt)
 {
   for (std::size_t i = 0; i < num_nodes(); ++i)
   {
-    const double known = _slave_known.empty() ? 0.0 : _slave_known[std::size_t(_candidates.nodes()[i])];
+    const double known = _known.slave.empty() ? 0.0 : _known.slave[std::size_t(_candidates.nodes()[i])];
     _slave_compliance[i] = node_compliance(known, _inverse_mass[i], dt);
   }
   for (std::size_t k = 0; k < _master_inverse_mass.size(); ++k)
@@ -428,12 +348,6 @@ void NodePenalty::add_forces(const NodalState& state, std::span<double> f)
     _tracker.advance(state.u.data(), state.du.data());
   }
   _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
-  if (_other)
-  {
-    _other->add_forces(state, f);
-    for (int c = 0; c < _gdim; ++c)
-      _force[c] -= _other->_force[c];
-  }
 }
 
 NodalSprings NodePenalty::springs_at(std::span<const double> displacements)

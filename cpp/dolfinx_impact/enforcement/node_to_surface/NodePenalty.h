@@ -2,15 +2,20 @@
 #pragma once
 #include "NodeToSurface.h"
 #include "spring.h"
-#include <memory>
 
 namespace dolfinx_impact::enforcement
 {
 struct NodePenaltyOptions : NodeToSurfaceOptions
 {
-  double penalty = 0.0;  ///< pressure per penetration; 0: nodal stiffness of the surfaces [F/L^3]
-  double kappa = 0.5;    ///< stiffness of a node times dt^2 over its mass where no nodal stiffness is known [1]
-  bool balanced = false; ///< two-pass contact: both surfaces are slave once, each with half the stiffness
+  double penalty = 0.0; ///< pressure per penetration; 0: nodal stiffness of the surfaces [F/L^3]
+  double kappa = 0.5;   ///< stiffness of a node times dt^2 over its mass where no nodal stiffness is known [1]
+  double share = 1.0;   ///< of the stiffness; half for each direction of balanced contact, see NodalPair [1]
+};
+
+/// Reciprocals of the nodal stiffness of two surfaces, by node that this rank owns; zero where none is known [L/F].
+struct NodalCompliances
+{
+  std::vector<double> slave, master;
 };
 
 /// Springs of given stiffness at all slave nodes that have a master, in contact or open.
@@ -24,7 +29,8 @@ struct NodalSprings
   std::vector<double> stiffness;     ///< [F/L]
 };
 
-/// Explicit contact by penalty: springs between slave nodes and the master, docs/explicit/penalty.md.
+/// Explicit contact by penalty: springs between slave nodes and the master, docs/explicit/penalty.md. Balanced contact
+/// has two of them, see NodalPair.
 class NodePenalty : public NodeToSurface, public SpringForces
 {
 public:
@@ -38,24 +44,11 @@ public:
               const NodePenaltyOptions& options);
 
   void add_forces(const NodalState& state, std::span<double> f) override;
-
-  // These include the other direction of balanced contact.
-  void search(std::span<const double> u, std::span<const double> du) override;
-  std::span<const std::int64_t> remote_nodes() const override { return _all_remote; }
-  std::span<const int> remote_owners() const override { return _all_owners; }
   std::span<const std::int32_t> needs(operators::Halo& all) override;
   void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
-  double used(const NodalState& state) const override;
-  void forget_search() override;
-  ContactEnergy energy() const override;
-  Passage passage() const override;
-  void keep_normals(bool keep) override;
   /// Nodal stiffness of both surfaces (docs/explicit/penalty.md, "Stiffness"); call before `needs`.
-  /// @param[in] slave,master reciprocals by node that this rank owns; zero where none is known [L/F]
   /// @throws std::invalid_argument for another number of nodes, negative or infinite values
-  void set_nodal_compliances(std::vector<double> slave, std::vector<double> master);
-  /// The other direction of balanced contact, or null.
-  NodePenalty* other() { return _other.get(); }
+  void set_nodal_compliances(NodalCompliances compliances);
 
   /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
   const std::vector<double>& stiffness() const { return _stiffness; }
@@ -63,7 +56,7 @@ public:
   const std::vector<Spring>& springs() const { return _springs; }
   /// @throws std::invalid_argument for another number of nodes
   void set_springs(std::vector<Spring> springs);
-  /// Springs in a given configuration, outside of time stepping; call after `number`. This direction only.
+  /// Springs in a given configuration, outside of time stepping; call after `number`.
   /// @param[in] u displacements of the Halo's nodes [L]
   /// @throws std::invalid_argument without a given penalty
   NodalSprings springs_at(std::span<const double> u);
@@ -83,17 +76,12 @@ private:
   template <int D>
   void add_all(const NodalState& state, std::span<double> f);
 
-  double _penalty, _kappa;
-  std::vector<double> _slave_known, _master_known; ///< by owned node of the space, empty: none known [L/F]
-  std::vector<double> _all_known;                  ///< of the master over the nodes of the Halo of `needs` [L/F]
-  std::vector<double> _master_here;                ///< by position in NodeTracker's list of master nodes [L/F]
-  std::vector<double> _slave_compliance;           ///< by slave node, in the present step [L/F]
-  double _compliance_step = 0.0;                   ///< step that compliances were made for; 0: none yet [T]
-  double _share = 1.0;                             ///< of the stiffness: half when balanced
-  std::unique_ptr<NodePenalty> _other;
-  std::vector<std::int64_t> _all_remote; ///< of both directions
-  std::vector<int> _all_owners;
-  std::vector<std::int32_t> _all_needed;
+  double _penalty, _kappa, _share;
+  NodalCompliances _known;               ///< empty: none known
+  std::vector<double> _all_known;        ///< of the master over the nodes of the Halo of `needs` [L/F]
+  std::vector<double> _master_here;      ///< by position in NodeTracker's list of master nodes [L/F]
+  std::vector<double> _slave_compliance; ///< by slave node, in the present step [L/F]
+  double _compliance_step = 0.0;         ///< step that compliances were made for; 0: none yet [T]
   struct alignas(32) Sum
   {
     double force[4] = {};

@@ -71,13 +71,12 @@ public:
   NodalHistory history() const;
   /// @throws std::invalid_argument for arrays of wrong sizes
   void set_history(const NodalHistory& history);
-  /// Energies of this direction only (balanced contact has two), for checkpoints.
-  const ContactEnergy& own_energy() const { return _energy; }
+  /// Energies from a checkpoint.
   void set_energy(const ContactEnergy& energy) { _energy = energy; }
   /// Sum of the forces in the last step, as `force` returns it, from a checkpoint [F].
   void set_force(const std::array<double, 3>& force) { _force = force; }
   /// For tests of the tests only: judge whether surfaces face each other by the normals of the last search.
-  virtual void keep_normals(bool keep) { _tracker.keep_normals(keep); }
+  void keep_normals(bool keep) { _tracker.keep_normals(keep); }
 
 protected:
   /// A slave node and its projection on the master.

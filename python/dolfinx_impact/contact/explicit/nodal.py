@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit/penalty.md."""
 
-import math
 from typing import Any
 
 import numpy as np
 import ufl
+from dolfinx.common import IndexMap
 from mpi4py import MPI
 
 from ... import _cpp
@@ -20,7 +20,6 @@ from ..output import ContactOutput
 from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
 from .nodal_stiffness import nodal_compliances
-from .springs import searched
 
 
 class Kinematic(Fixed):
@@ -53,6 +52,7 @@ class Kinematic(Fixed):
         return NodalResult(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
+Place = _cpp.state.Place
 GAPS = ("gap", "normal")
 RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # arrays by node
 
@@ -88,7 +88,8 @@ class NodalResult(ContactOutput):
             one's own, whose energy is not known [1].
 
     Raises:
-        ValueError: surfaces that do not fit the problem, or `remove_penetration`; on all ranks.
+        ValueError: surfaces that do not fit the problem, `remove_penetration`, or balanced contact with a rigid master;
+            on all ranks.
     """
 
     initial = None
@@ -122,6 +123,8 @@ class NodalResult(ContactOutput):
                 f"{pair.name}: remove_penetration is for static problems; move the bodies apart, explicit contact "
                 "pushes small overlaps out"
             )
+        if pair.rigid and options.get("balanced"):
+            raise ValueError(f"{pair.name}: contact with a rigid master has one direction, it cannot be balanced")
         slave, master = pair.surfaces(V)
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if pair.rigid else None
         if self.obstacle is not None:
@@ -136,8 +139,9 @@ class NodalResult(ContactOutput):
         if not self.kinematic and not self.penalty and not by_step:
             self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master)
         self._cpp_object = self.make(law, **options)
-        self.nodes, self.weight = self._cpp_object.nodes, self._cpp_object.areas
-        self._X = self._cpp_object.X.reshape(-1, self.gdim)
+        self._sides = self._cpp_object.directions
+        self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
+        self._X = self._sides[0].X.reshape(-1, self.gdim)
         self.motion = None
         if pair.rigid:
             place, motion = pair.rigid_master.displacement, pair.rigid_master.motion
@@ -163,28 +167,73 @@ class NodalResult(ContactOutput):
         """Facets of slave and master on this rank (C++), or the obstacle."""
         return self._surfaces
 
-    def make(self, law: type[_cpp.nodal.NodeToSurface], **options: Any) -> _cpp.nodal.NodeToSurface:
+    def make(self, law: type[_cpp.nodal.NodeToSurface], balanced: bool = False, **options: Any) -> _cpp.nodal.NodalPair:
         """Make a C++ contact of this pair. Collective.
 
         Args:
             law: C++ class of the contact, NodePenalty or KinematicContact.
-            options: its parameters.
+            balanced: both directions, each with half of the stiffness; of NodePenalty only.
+            options: other parameters of the class.
 
         Returns:
-            The contact.
+            The contact in one or both directions.
         """
         pair = self.pair
-        made = law(
-            self.V._cpp_object,
-            *self._surfaces,
+        options |= dict(
             friction=pair.friction,
             search_distance=pair.search_distance or 0.0,
             axisymmetric=self.problem.axisymmetric,
-            **options,
         )
+        if balanced:
+            slave, master = self._compliances or (None, None)
+            return _cpp.nodal.balanced_penalty(
+                self.V._cpp_object, *self._surfaces, slave_compliances=slave, master_compliances=master, **options
+            )
+        made = law(self.V._cpp_object, *self._surfaces, **options)
         if self._compliances is not None:
             made.set_nodal_compliances(*self._compliances)
-        return made
+        return _cpp.nodal.NodalPair([made])
+
+    def searched(
+        self,
+        u: FloatArray,
+        law: type[_cpp.nodal.NodeToSurface],
+        masses: FloatArray | None = None,
+        **options: Any,
+    ) -> tuple[_cpp.nodal.NodalPair, _cpp.operators.Halo, FloatArray]:
+        """Make another contact of this pair, with the candidates of a given configuration. Collective.
+
+        The contact of the running problem does not change.
+
+        Args:
+            u: displacements, of which the owned dofs are read [L].
+            law: C++ class of the new contact, see `make`.
+            masses: of the owned nodes, for stiffness from masses and step; None: ones [M].
+            options: parameters of the new contact, see `make`.
+
+        Returns:
+            The new contact, the halo of the nodes it knows, and the displacements of these nodes [L].
+        """
+        made = self.make(law, **options)
+        own, bs = self.V.dofmap.index_map, self.V.dofmap.index_map_bs
+        num = own.size_local * bs
+        for side in made.directions:
+            if self.motion is not None:
+                side.set_obstacle(self.motion.sample([self.problem.time])[0].tolist(), [0.0] * 3)
+            side.search(np.ascontiguousarray(u[:num]), np.zeros(0))
+        remote, first = np.unique(np.concatenate([s.remote_nodes for s in made.directions]), return_index=True)
+        owners = np.concatenate([s.remote_owners for s in made.directions])[first]
+        ghosts, owners = np.concatenate([own.ghosts, remote]), np.concatenate([own.owners, owners]).astype(np.int32)
+        halo = _cpp.operators.Halo(IndexMap(self.comm, own.size_local, ghosts, owners))
+        values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # a given stiffness does not need masses
+        values[:num] = u[:num]
+        if masses is not None:
+            mass[: own.size_local] = masses
+            halo.forward(mass, 1)
+        halo.forward(values, bs)
+        for side in made.directions:
+            side.number(halo, mass)
+        return made, halo, values
 
     @property
     def penalty(self) -> float:
@@ -202,8 +251,28 @@ class NodalResult(ContactOutput):
         Returns:
             One contact, or for balanced contact one per direction.
         """
-        other = None if self.kinematic else self._cpp_object.other
-        return [self._cpp_object] if other is None else [self._cpp_object, other]
+        return self._sides
+
+    def saved_force(self, side: int) -> FloatArray:
+        """Force of the last step for a checkpoint.
+
+        Args:
+            side: number of the side in `sides`.
+
+        Returns:
+            Force on the slave of the pair with the first side, of this rank; zeros with the other one, (gdim) [F].
+        """
+        force: FloatArray = self._cpp_object.force[: self.gdim]
+        return force if side == 0 else np.zeros_like(force)
+
+    def restore_force(self, force: FloatArray) -> None:
+        """Set the force of the last step from a checkpoint.
+
+        Args:
+            force: as `saved_force` returned it with the first side, (gdim) [F].
+        """
+        for side in self._sides:
+            side.set_force(force if side is self._sides[0] else np.zeros_like(force))
 
     def reset_history(self) -> None:
         """Reset friction and energies; all nodes become open."""
@@ -258,7 +327,7 @@ class NodalResult(ContactOutput):
         Raises:
             ValueError: on all ranks.
         """
-        deep = int(self._cpp_object.counters()["implausible"])  # kinematic contact evaluates gaps inside steps only
+        deep = int(self._sides[0].counters()["implausible"])  # kinematic contact evaluates gaps inside steps only
         if self.problem.step == 0 and self.pair.rigid:
             deep = self._deep_in_obstacle()
         elif self.problem.step == 0 and self.kinematic:
@@ -274,10 +343,10 @@ class NodalResult(ContactOutput):
 
     def _deep_by_springs(self) -> int:
         """Number of nodes that penalty contact would find too deep in the present configuration. Collective."""
-        twin, halo, u = searched(self, self.problem.u.x.array, _cpp.nodal.NodePenalty)
-        zero = np.zeros_like(u)
-        twin.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
-        return int(twin.counters()["implausible"])
+        twin, halo, u = self.searched(self.problem.u.x.array, _cpp.nodal.NodePenalty)
+        (side,), zero = twin.directions, np.zeros_like(u)
+        side.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
+        return int(side.counters()["implausible"])
 
     def _deep_in_obstacle(self) -> int:
         """Number of nodes that penetrate a rigid master by more than half a facet in the present configuration."""
@@ -301,7 +370,7 @@ class NodalResult(ContactOutput):
         """Gaps and normals in the present configuration, of open nodes as well."""
         if self._known is None:
             self.problem._cpp_object.update_gaps()
-            results = self._cpp_object.results()
+            results = self._sides[0].results()
             self._known = {name: results[name] for name in GAPS}
         return self._known
 
@@ -311,7 +380,7 @@ class NodalResult(ContactOutput):
 
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""
-        results = self._cpp_object.results()
+        results = self._sides[0].results()
         for name in RESULTS[len(GAPS) :]:
             setattr(self, name, results[name])
         if self.parameters.get("balanced", False):
@@ -327,42 +396,44 @@ class NodalResult(ContactOutput):
         else:
             moments = np.cross(self.points, forces)
         energy = self._cpp_object.energy()
-        totals = [self._cpp_object.force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
+        force = self._cpp_object.force[: self.gdim]
+        totals = [force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
         sums = self.comm.allreduce(np.concatenate([*totals, [energy["stored"]]]), MPI.SUM)
         gdim = self.gdim
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-3], float(sums[-3])
         self.dissipated, self.stored = float(sums[-2]), float(sums[-1])
 
-    def save_results(self) -> tuple[FloatArray, FloatArray]:
+    def results_state(self) -> tuple[_cpp.state.State, _cpp.state.State]:
         """Results of `update_results` for a checkpoint.
 
         Returns:
-            Rows by node, and totals.
+            Results by node, and totals.
         """
-        rows = [np.asarray(getattr(self, name), dtype=float) for name in RESULTS]
-        rows = [values.reshape(len(values), math.prod(values.shape[1:])) for values in rows]
-        return np.hstack(rows), np.concatenate([self.force, self.moment, [self.area, self.dissipated]])
+        rows, totals = _cpp.state.State("results"), _cpp.state.State("contact")
+        rows.at(Place.node, self.nodes.astype(np.int64))
+        for name in RESULTS:
+            rows.add(name, Place.node, np.ascontiguousarray(getattr(self, name)))
+        for name in ("force", "moment"):
+            totals.add(name, Place.all, np.array(getattr(self, name), dtype=float))
+        totals.add("area", Place.all, np.array([self.area, self.dissipated]))
+        return rows, totals
 
-    def restore_results(self, rows: FloatArray, totals: FloatArray) -> None:
-        """Restore results from a checkpoint, which has no contact forces to compute them from.
+    def resume_results(self, rows: _cpp.state.State, totals: _cpp.state.State) -> None:
+        """Set results from a checkpoint, which has no contact forces to compute them from.
 
         Args:
-            rows: rows by node, as save_results returned them.
-            totals: totals, as save_results returned them.
+            rows: results by node, as results_state returned them.
+            totals: totals, as results_state returned them.
         """
-        first = 0
         for name in RESULTS:
-            now = getattr(self, name)
-            count = math.prod(now.shape[1:])
-            values = np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
+            now, values = getattr(self, name), rows.array(name)
+            values = values.reshape(now.shape).astype(now.dtype)
             if name in GAPS:
                 self._gaps()[name] = values
             else:
                 setattr(self, name, values)
-            first += count
-        gdim = self.gdim
-        self.force, self.moment = totals[:gdim], totals[gdim:-2]
-        self.area, self.dissipated = float(totals[-2]), float(totals[-1])
+        self.force, self.moment = totals.array("force"), totals.array("moment")
+        self.area, self.dissipated = (float(value) for value in totals.array("area"))
 
     def covered(self) -> FloatArray:
         """Part of each node's area that is in contact: one or zero.

@@ -2,61 +2,17 @@
 """Penalty springs of explicit contact as a stiffness matrix; docs/explicit/penalty.md, "Stiffness"."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from dolfinx.common import IndexMap
 from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
 from ... import _cpp
 from ...common.types import AnyArray, FloatArray
-
-if TYPE_CHECKING:  # it imports this module
-    from .nodal import NodalResult
+from .nodal import NodalResult
 
 
-def searched(
-    contact: "NodalResult",
-    u: FloatArray,
-    law: type[_cpp.nodal.NodeToSurface],
-    masses: FloatArray | None = None,
-    **options: Any,
-) -> tuple[_cpp.nodal.NodeToSurface, _cpp.operators.Halo, FloatArray]:
-    """Make another contact of the same pair, with the candidates of a given configuration. Collective.
-
-    The contact of the running problem does not change.
-
-    Args:
-        contact: contact of the running problem.
-        u: displacements, of which the owned dofs are read [L].
-        law: C++ class of the new contact, see NodalResult.make.
-        masses: of the owned nodes, for stiffness from masses and step; None: ones [M].
-        options: its parameters.
-
-    Returns:
-        The new contact, the halo of the nodes it knows, and the displacements of these nodes [L].
-    """
-    made, V = contact.make(law, **options), contact.V
-    if contact.motion is not None:
-        made.set_obstacle(contact.motion.sample([contact.problem.time])[0].tolist(), [0.0] * 3)
-    own, bs = V.dofmap.index_map, V.dofmap.index_map_bs
-    num = own.size_local * bs
-    made.search(np.ascontiguousarray(u[:num]), np.zeros(0))
-    ghosts = np.concatenate([own.ghosts, made.remote_nodes])
-    owners = np.concatenate([own.owners, made.remote_owners]).astype(np.int32)
-    halo = _cpp.operators.Halo(IndexMap(V.mesh.comm, own.size_local, ghosts, owners))
-    values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # a given stiffness does not need masses
-    values[:num] = u[:num]
-    if masses is not None:
-        mass[: own.size_local] = masses
-        halo.forward(mass, 1)
-    halo.forward(values, bs)
-    made.number(halo, mass)
-    return made, halo, values
-
-
-def stiffness(contacts: Sequence["NodalResult"], V: FunctionSpace, u: FloatArray) -> PETSc.Mat | None:
+def stiffness(contacts: Sequence[NodalResult], V: FunctionSpace, u: FloatArray) -> PETSc.Mat | None:
     """Matrix of all springs of given stiffness at nodes that have a master, closed or not. Collective.
 
     Args:
@@ -75,8 +31,8 @@ def stiffness(contacts: Sequence["NodalResult"], V: FunctionSpace, u: FloatArray
     matrix = PETSc.Mat().createAIJ((size, size), comm=V.mesh.comm)
     matrix.setUp()
     for contact in contacts:
-        made, halo, values = searched(contact, u, _cpp.nodal.NodePenalty, **contact.parameters)
-        for side in [made] + ([made.other] if made.other is not None else []):
+        made, halo, values = contact.searched(u, _cpp.nodal.NodePenalty, **contact.parameters)
+        for side in made.directions:
             _add(matrix, side.springs(halo, values), bs, contact.pair.friction > 0)
     matrix.assemble()
     return matrix

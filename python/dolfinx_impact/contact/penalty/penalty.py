@@ -95,9 +95,18 @@ class Penalty(Fixed):
         penalty = self.penalty or 0.0
         return NodalResult(self.pair, problem, law, self.by_step, penalty=penalty, balanced=self.balanced)
 
-    def _bind(self, problem: StaticContactProblem) -> "QuadraturePenalty":
+    def _bind(self, problem: StaticContactProblem) -> QuadraturePenalty:
         if self.balanced:
             raise ValueError("balanced penalty contact is for explicit dynamics")
         if self.by_step:
             raise ValueError("'step' is a penalty of explicit dynamics: give a number or 'auto'")
-        return QuadraturePenalty(self, problem)
+        return QuadraturePenalty(
+            self.pair,
+            problem,
+            penalty=self.penalty,
+            tangential=self.tangential,
+            augmented=self.augmented,
+            tolerance=self.tolerance,
+            quadrature_degree=self.quadrature_degree,
+            max_augmentations=self.max_augmentations,
+        )

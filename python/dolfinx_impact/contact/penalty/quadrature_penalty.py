@@ -3,51 +3,49 @@
 
 import logging
 import weakref
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ... import _cpp
 from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
-from ..pair import ContactStatus
+from ..pair import ContactPair, ContactStatus
 from ..protocol import StaticContactProblem
-from ..saved_history import SavedHistory
 from ..static_view import StaticContactView
 
 LOG = logging.getLogger("dolfinx_impact")
-
-if TYPE_CHECKING:  # it imports this module
-    from .penalty import Penalty
 
 
 class QuadraturePenalty(StaticContactView):
     """Penalty contact of one pair in a static problem; points are the quadrature points of this rank's slave facets.
 
     Args:
-        spec: parameters of the contact.
+        pair: the pair of surfaces.
         problem: the problem.
+        options: penalty, tangential, augmented, tolerance, quadrature_degree and max_augmentations of Penalty; None:
+            the contact chooses.
 
     Attributes:
         has_multipliers: False, there are no multipliers to condense.
+        options: as given, for the signature of a checkpoint.
     """
 
     has_multipliers = False
 
-    def __init__(self, spec: "Penalty", problem: StaticContactProblem) -> None:
-        self.spec, self.pair, self.problem = spec, spec.pair, problem
-        V, pair = problem.space, spec.pair
+    def __init__(self, pair: ContactPair, problem: StaticContactProblem, **options: Any) -> None:
+        self.pair, self.problem, self.options, V = pair, problem, options, problem.space
         self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
         self.slave, self.master = pair.surfaces(V)
         self.obstacle = None
         if pair.rigid:
             self.obstacle = pair.rigid_master.obstacle(self.gdim)
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
-        options = _cpp.penalty.PenaltyOptions()
-        options.penalty, options.tangential = spec.penalty or 0.0, spec.tangential or 0.0
-        options.friction, options.axisymmetric = pair.friction, problem.axisymmetric
-        options.augmented, options.tolerance = spec.augmented, spec.tolerance
-        options.max_augmentations, options.quadrature_degree = spec.max_augmentations, spec.quadrature_degree or 0
-        options.search_distance, options.remove_penetration = pair.search_distance or 0.0, pair.remove_penetration
+        parameters = _cpp.penalty.PenaltyOptions()
+        for name, value in options.items():
+            if value is not None:
+                setattr(parameters, name, value)
+        parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
+        parameters.search_distance, parameters.remove_penetration = pair.search_distance or 0.0, pair.remove_penetration
         owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
 
         def bodies() -> Any:
@@ -56,7 +54,7 @@ class QuadraturePenalty(StaticContactView):
             return made.tangent.assemble()
 
         self._cpp_object = _cpp.penalty.QuadraturePenalty(
-            pair.name, V._cpp_object, self.slave, self.obstacle or self.master, options, bodies
+            pair.name, V._cpp_object, self.slave, self.obstacle or self.master, parameters, bodies
         )
         self._totals = self._cpp_object.totals
         if self.initial.warning and self.comm.rank == 0:
@@ -75,12 +73,6 @@ class QuadraturePenalty(StaticContactView):
     def facets(self) -> tuple[Any, Any]:
         """Facets of slave and master on this rank (C++); None: the master is rigid."""
         return self.slave, self.master
-
-    @property
-    def options(self) -> dict[str, Any]:
-        """Options by name, for the signature of a checkpoint."""
-        names = ("penalty", "tangential", "augmented", "tolerance", "quadrature_degree", "max_augmentations")
-        return {name: getattr(self.spec, name) for name in names}
 
     @property
     def penalty(self) -> float | None:
@@ -153,38 +145,6 @@ class QuadraturePenalty(StaticContactView):
             Forces to be subtracted from the right-hand side, owned dofs; None without such points [F].
         """
         return self._cpp_object.closing_forces() if self._cpp_object.closes_nearest else None
-
-    # --- checkpoints -------------------------------------------------------------------------------------------------
-
-    def save_history(self) -> SavedHistory:
-        """What the next increment starts from, for a checkpoint."""
-        made, state, per_facet = self._cpp_object, self._cpp_object.state(), self._cpp_object.forces.points.per_facet
-        rows: dict[str, Any] = {name: state.array(name) for name in ("multiplier", "touched")}
-        rows |= {"status": self.status, "facet": made.facet_ids()}
-        columns: dict[str, Any] = {name: np.array(v, dtype=float).reshape(-1, per_facet) for name, v in rows.items()}
-        for name in ("traction", "slip"):
-            columns[name] = state.array(name).reshape(-1, per_facet * self.gdim).copy()
-        places = {"master": self.displacement, "penalties": np.array([made.penalty, made.tangential])}
-        corners = state.array("corners")[:, None].copy() if self.spec.augmented else None
-        return SavedHistory(True, self.slave.id, columns, self.save_totals() | places, corners)
-
-    def restore_history(self, saved: SavedHistory, u: FloatArray) -> None:
-        """Continue from a checkpoint. Collective.
-
-        Args:
-            saved: as save_history returned it.
-            u: displacements of the checkpoint, owned and ghost dofs [L].
-        """
-        rows, state = saved.columns, self._cpp_object.state()
-        for name in ("multiplier", "traction", "slip", "touched"):
-            array = state.array(name)
-            array[...] = rows[name].reshape(array.shape)
-        if saved.corners is not None:
-            state.array("corners")[...] = saved.corners[:, 0]
-        state.array("displacement")[...] = saved.totals["master"].reshape(state.array("displacement").shape)
-        status, facets = rows["status"].ravel().astype(np.int8), rows["facet"].ravel().astype(np.int64)
-        self._cpp_object.resume(*map(float, saved.totals["penalties"]), u, status, facets)
-        self.restore_totals(saved.totals)
 
     # --- results -----------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "NodalPair.h"
+#include <stdexcept>
+#include <string>
+
+namespace dolfinx_impact::enforcement
+{
+NodalPair::NodalPair(std::vector<std::shared_ptr<NodalContact>> directions) : _directions(std::move(directions))
+{
+  if (_directions.empty() || _directions.size() > 2)
+    throw std::invalid_argument("the contact of a pair has one or two directions, not " +
+                                std::to_string(_directions.size()));
+}
+
+ContactEnergy NodalPair::energy() const
+{
+  ContactEnergy sum = _directions.front()->energy();
+  for (std::size_t k = 1; k < _directions.size(); ++k)
+  {
+    const ContactEnergy more = _directions[k]->energy();
+    sum.stored += more.stored;
+    sum.friction += more.friction;
+    sum.normal += more.normal;
+    sum.later_friction += more.later_friction;
+    sum.later_normal += more.later_normal;
+    sum.recoverable += more.recoverable;
+  }
+  return sum;
+}
+
+std::array<double, 3> NodalPair::force() const
+{
+  std::array<double, 3> sum = _directions.front()->force();
+  for (std::size_t k = 1; k < _directions.size(); ++k) // these forces act on nodes of the pair's master
+    for (std::size_t c = 0; c < 3; ++c)
+      sum[c] -= _directions[k]->force()[c];
+  return sum;
+}
+
+Passage NodalPair::passage() const
+{
+  Passage farthest;
+  for (const auto& direction : _directions)
+    if (const Passage passage = direction->passage(); passage.facets > farthest.facets)
+      farthest = passage;
+  return farthest;
+}
+
+NodalPair balanced_penalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
+                           NodePenaltyOptions options, const NodalCompliances& compliances)
+{
+  options.share *= 0.5;
+  auto first = std::make_shared<NodePenalty>(V, slave, master, options);
+  auto second = std::make_shared<NodePenalty>(V, master, slave, options);
+  if (!compliances.slave.empty() || !compliances.master.empty())
+  {
+    first->set_nodal_compliances(compliances);
+    second->set_nodal_compliances({compliances.master, compliances.slave});
+  }
+  return NodalPair({std::move(first), std::move(second)});
+}
+} // namespace dolfinx_impact::enforcement

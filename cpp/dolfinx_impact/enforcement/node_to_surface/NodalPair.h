@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "NodePenalty.h"
+#include <array>
+#include <concepts>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace dolfinx_impact::enforcement
+{
+/// Contact of a pair as the explicit integrator has it: one direction, the slave's nodes against the master, or both.
+/// In balanced (two-pass) contact the master's nodes are also pushed out of the slave.
+class NodalPair
+{
+public:
+  /// One direction.
+  template <std::derived_from<NodalContact> T>
+  NodalPair(std::shared_ptr<T> contact) : _directions{std::move(contact)}
+  {
+  }
+  /// @param[in] directions the first one has the slave of the pair; the second one, if any, has both surfaces exchanged
+  /// @throws std::invalid_argument for other numbers of directions
+  explicit NodalPair(std::vector<std::shared_ptr<NodalContact>> directions);
+
+  const std::vector<std::shared_ptr<NodalContact>>& directions() const { return _directions; }
+  /// Sums of all directions, of this rank.
+  ContactEnergy energy() const;
+  /// Force on the slave of the pair in the last step, of this rank [F].
+  std::array<double, 3> force() const;
+  /// The node of this rank, on either surface, that passed through the other one farthest.
+  Passage passage() const;
+
+private:
+  std::vector<std::shared_ptr<NodalContact>> _directions;
+};
+
+/// Both directions of contact by penalty, each with half of the stiffness. Collective.
+/// @param[in] V displacement space
+/// @param[in] slave, master this rank's facets (make_surface)
+/// @param[in] options of the pair; their share is divided between the directions
+/// @param[in] compliances of the surfaces' nodes, see NodePenalty::set_nodal_compliances
+/// @throws std::invalid_argument as the constructor of NodePenalty
+NodalPair balanced_penalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
+                           NodePenaltyOptions options, const NodalCompliances& compliances = {});
+} // namespace dolfinx_impact::enforcement
