@@ -274,14 +274,6 @@ class NodalResult(ContactOutput):
         for side in self._sides:
             side.set_force(force if side is self._sides[0] else np.zeros_like(force))
 
-    def reset_history(self) -> None:
-        """Reset friction and energies; all nodes become open."""
-        for side in self.sides():
-            history = {name: np.zeros_like(values) for name, values in side.history().items()}
-            history["facet"][:] = -1
-            side.set_history(history)
-            side.set_energy(0.0, 0.0, 0.0)
-
     def spring_frequency(self) -> float:
         """Upper bound of the angular frequency that springs of given stiffness add. Collective.
 
