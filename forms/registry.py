@@ -102,13 +102,15 @@ def _table() -> tuple[Row, ...]:
                 names.append("nodal_mass")
             if degree == 1:
                 names += ["neo_hookean.tangent", "neo_hookean.energy"]
-                names += [f"{law}.{what}" for law in ("linear_elastic", "neo_hookean") for what in ("damping", "viscosity")]
+                names += [
+                    f"{law}.{what}" for law in ("linear_elastic", "neo_hookean") for what in ("damping", "viscosity")
+                ]
             rows += [Row(name, cell, degree, 1, main) for name in names]
         if CELLS[cell] == 2:
             for hypothesis in ("plane_stress", "axisymmetric"):
                 rows += [Row(n, cell, 1, 1, hypothesis) for n in ("linear_elastic.force", "linear_elastic.tangent")]
     for cell, degree, hypothesis, laws in PLASTIC:
-        names = [f"j2.{law}" for law in laws]
+        names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):
             names.append(plasticity.STIFFNESS)
         if hypothesis == "axisymmetric":

@@ -4,10 +4,10 @@
 #include "dolfinx_impact/operators/CellMatrix.h"
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
-#include "dolfinx_impact/operators/Tangent.h"
+#include "dolfinx_impact/operators/KernelTangent.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
-#include "module.h"
+#include "petsc_objects.h"
 #include <dolfinx/la/Vector.h>
 #include <nanobind/stl/tuple.h>
 
@@ -27,6 +27,25 @@ Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& 
           {entities.data(), entities.data() + entities.size()},
           {constants.data(), constants.data() + constants.size()},
           std::move(history)};
+}
+
+void bind_tangent(nb::module_& m)
+{
+  nb::class_<KernelTangent>(m, "KernelTangent", "Matrix of kernels and of a form of DOLFINx, made once")
+      .def(
+          "__init__",
+          [](KernelTangent* self, std::shared_ptr<const FunctionSpace> rows,
+             std::shared_ptr<const FunctionSpace> columns, const std::vector<Integral>& integrals,
+             const Coefficients& coefficients, std::shared_ptr<const dolfinx::fem::Form<double>> other)
+          {
+            new (self) KernelTangent({std::move(rows), std::move(columns)}, integrals, coefficients, std::move(other));
+          },
+          nb::arg("test"), nb::arg("trial"), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("other").none(),
+          "Collective")
+      .def("assemble", &KernelTangent::assemble, nb::arg("bcs"), "Rows and columns of bcs are zeroed. Collective")
+      .def("set_constants",
+           [](KernelTangent& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })
+      .def_prop_ro("matrix", &KernelTangent::matrix, nb::rv_policy::reference);
 }
 
 void bind_history(nb::module_& m)
@@ -147,6 +166,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           },
           "Points not solved in the last evaluation on this rank: number, then cell, point, relative residual and "
           "unknowns of the first")
+      .def("fault", &InternalForce::fault, "Which local equations were not solved in the last evaluation. Collective")
       .def("width", &InternalForce::width, nb::arg("integral") = 0)
       .def(
           "repeat",
@@ -157,6 +177,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           },
           nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
       .def_prop_ro("flops", &InternalForce::flops);
+  bind_tangent(m);
   m.def(
       "cell_masses_hrz", [](const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
       { return bindings::take(cell_masses_hrz(mass, V, coefficients)); }, nb::arg("mass"), nb::arg("V"),
@@ -202,8 +223,6 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           nb::arg("masses"), nb::arg("only").none(), nb::arg("facets"), nb::rv_policy::move,
           "Lower bound, upper bound and norm of the skew part by owned cell. Collective");
   m.attr("direction_name") = direction_name;
-  m.def("create_form", &create_form, nb::arg("spaces"), nb::arg("integrals"), nb::arg("coefficients"),
-        nb::rv_policy::move, "DOLFINx's form of rank 2 with kernels that CellMatrix takes");
   m.def(
       "cell_spectra",
       [](const Integral& matrix, const FunctionSpace& V, const Coefficients& coefficients, Values masses)

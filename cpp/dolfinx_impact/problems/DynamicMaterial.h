@@ -12,8 +12,9 @@ namespace dolfinx_impact::problems
 /// A material of bodies in motion, with internal variables or without.
 struct DynamicMaterial
 {
-  /// Kernels NAME.force and NAME.tangent, or those of a law with internal variables: "j2.small.linear". Damping has
-  /// NAME.damping, bulk viscosity NAME.viscosity; those of a law with internal variables are of its elastic part.
+  /// Kernels NAME.force and NAME.tangent; damping has NAME.damping, bulk viscosity NAME.viscosity. Of a law with
+  /// internal variables, "j2.small.linear", damping, viscosity and the tangent of explicit steps are those of its
+  /// elastic part.
   KernelMaterial law;
   double density = 0.0;                  ///< of the undeformed body [M/L^3]
   std::optional<int> tag = std::nullopt; ///< of its cells; nothing: all
@@ -44,7 +45,7 @@ private:
   kernels::Key _key;
 };
 
-/// Has the law internal variables? Then its kernels of forces have its name alone.
+/// Has the law internal variables?
 bool is_plastic(const KernelMaterial& law);
 
 /// The elastic law that bounds frequencies and damps.

@@ -18,7 +18,7 @@ namespace dolfinx_impact::problems
 /// A contact of a problem in time.
 struct ContactInTime
 {
-  enforcement::NodalPair contact;
+  enforcement::NodalPair contact;                      ///< one direction, or both of balanced contact
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
   /// Upper bound of the angular frequency that its springs of given stiffness add; springs by the step or the bodies

@@ -25,6 +25,7 @@ public:
   Mat tangent() override { return _body->tangent(); }
   std::string fault() override { return _body->fault(); }
   void accept_step() override { _body->accept_step(); }
+  state::State state() override { return _body->state(); }
   std::optional<double> stored_energy() override { return _body->stored_energy(); }
   bool linear() const override { return _body->linear(); }
   bool keeps_tangent() const override { return _body->keeps_tangent(); }

@@ -75,6 +75,7 @@ state::State StaticProblem::state()
   const std::size_t bs = _equilibrium->space().dofmap()->index_map_bs();
   out.add("displacement", state::Place::node, state::View(u->mutable_array().subspan(0, _equilibrium->num_owned())),
           bs);
+  out.add(_equilibrium->body->state());
   for (std::size_t i = 0; i < _reached.size(); ++i)
     out.add("load " + std::to_string(i), state::Place::rank, _reached[i]);
   for (std::size_t i = 0; i < _equilibrium->contacts.size(); ++i)

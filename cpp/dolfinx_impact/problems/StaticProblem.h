@@ -50,8 +50,8 @@ public:
   /// Displacement of a contact's rigid master that the next solve leads to [L].
   /// @throws std::invalid_argument if its master is deformable
   void move_obstacle(std::size_t contact, const std::array<double, 3>& displacement);
-  /// Displacements, state of the contacts, and loads as reached: copied, the problem can be brought back to it. Of
-  /// displacements it has the owned ones; `solve` updates ghosts.
+  /// Displacements, state of bodies and contacts, and loads as reached: copied, the problem can be brought back to it.
+  /// Of displacements it has the owned ones; `solve` updates ghosts.
   state::State state();
   const solve::EquilibriumProblem& equilibrium() const { return *_equilibrium; }
 

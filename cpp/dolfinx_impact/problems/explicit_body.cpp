@@ -16,7 +16,7 @@ namespace
 {
 using operators::Integral;
 typedef dolfinx::fem::Function<double> Function;
-typedef std::map<std::string, std::shared_ptr<const Function>> Coefficients;
+using operators::Coefficients;
 
 std::string tangent_name(const KernelMaterial& law)
 {
@@ -93,7 +93,7 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
       for (const impact_kernel* kernel : kernels.find(name, law.hypothesis))
         out.push_back({kernel, cells, kernels::constants(*kernel, constants)});
     };
-    append(forces, is_plastic(law) ? law.name : law.name + ".force");
+    append(forces, law.name + ".force");
     if (options.beta > 0.0)
       append(damping, elastic_name(law) + ".damping");
     if (options.bulk_viscosity != std::array<double, 2>{})

@@ -5,7 +5,7 @@
 #include "../kernels/constants.h"
 #include "../operators/CellValues.h"
 #include "../operators/InternalForce.h"
-#include "../operators/Tangent.h"
+#include "../operators/KernelTangent.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
 #include <dolfinx/la/Vector.h>
@@ -20,7 +20,7 @@ using operators::check;
 using operators::Integral;
 typedef dolfinx::fem::Function<double> Function;
 typedef dolfinx::fem::FunctionSpace<double> Space;
-typedef std::map<std::string, std::shared_ptr<const Function>> Coefficients;
+using operators::Coefficients;
 
 /// Stiffness-proportional damping by the damping kernels of elastic laws. Its derivative is that of the velocity in it;
 /// where the law is nonlinear, that of the displacement is left out, which costs iterations and no accuracy.
@@ -60,7 +60,7 @@ private:
   double _beta;
   bool _linear;
   operators::InternalForce _forces;
-  operators::Tangent _tangent;
+  operators::KernelTangent _tangent;
   dolfinx::la::Vector<double> _values;
 };
 
@@ -100,7 +100,7 @@ void redistribute(Mat matrix, const Space& V, const std::vector<Integral>& masse
     {
       std::vector<double> M(n * n, 0.0);
       values.gather(cell);
-      tabulate(M.data(), values.w(), mass.constants.data(), values.nodes(), 0);
+      tabulate(M.data(), values.w(), mass.constants.data(), values.nodes().data(), 0);
       std::vector<double> change = surface.matrix(cell, M);
       for (std::size_t i = 0; i < change.size(); ++i)
         change[i] -= M[i];
@@ -191,7 +191,7 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
     matrix = diagonal_matrix(*V, (surface ? moved : total).array().subspan(0, owned));
   else
   {
-    operators::Tangent assembled({V, V}, masses, {});
+    operators::KernelTangent assembled({V, V}, masses, {});
     assembled.assemble();
     check(MatDuplicate(assembled.matrix(), MAT_COPY_VALUES, &matrix), "a mass matrix is copied");
     if (surface)
@@ -210,9 +210,10 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
     out.damping =
         std::make_shared<KernelDamping>(u, v, damping, tangents, options.beta, std::ranges::none_of(tangents, varies));
   }
-  if (materials.size() > 1)
-    throw std::invalid_argument("several materials");
-  out.body = std::make_shared<KernelBody>(u, materials[0].law);
+  std::vector<MaterialCells> parts;
+  for (std::size_t k = 0; k < materials.size(); ++k)
+    parts.push_back({materials[k].law, cells[k]});
+  out.body = std::make_shared<KernelBody>(u, parts, KernelBody::Loads{});
   return out;
 }
 } // namespace dolfinx_impact::problems

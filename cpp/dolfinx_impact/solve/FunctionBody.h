@@ -20,13 +20,8 @@ public:
     std::function<std::vector<double>()> origin;          ///< may be empty
     std::function<std::optional<double>()> stored_energy; ///< may be empty
   };
-  struct Properties
-  {
-    bool linear = false, keeps_tangent = false, symmetric = true, inelastic = false, has_inertia = false,
-         has_springs = false, rounds_positions = false;
-  };
-
-  FunctionBody(Functions functions, Properties properties) : _functions(std::move(functions)), _properties(properties)
+  FunctionBody(Functions functions, BodyProperties properties)
+      : _functions(std::move(functions)), _properties(properties)
   {
   }
 
@@ -58,7 +53,7 @@ public:
 
 private:
   Functions _functions;
-  Properties _properties;
+  BodyProperties _properties;
   mutable std::vector<double> _origin;
 };
 } // namespace dolfinx_impact::solve

@@ -11,7 +11,8 @@ from dolfinx import fem
 from .. import _cpp
 from ..common.types import BoolArray, FloatArray, IntArray
 from . import operators
-from .averaged_form import DIRECTION, compile_columns, split_averages
+from ..forms.consistent_tangent import DIRECTION
+from .averaged_form import compile_columns, split_averages
 from .jit import compile_form
 
 
