@@ -76,7 +76,7 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     mass: la.Vector
     material: Material | None
-    _cpp_object: _cpp.integrators.CentralDifference
+    _cpp_object: _cpp.problems.ExplicitProblem
 
     @property
     def time(self) -> float:
@@ -455,9 +455,6 @@ class ExplicitContact(Protocol):
         Args:
             saved: the states.
         """
-
-    def reset_history(self) -> None:
-        """Reset friction and energies; all nodes become open."""
 
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""

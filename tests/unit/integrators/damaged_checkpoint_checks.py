@@ -25,7 +25,7 @@ def arrays(side):
 
 def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
-    saved = problem._cpp_object.saved_state()
+    saved = problem._cpp_object.integrator.saved_state()
     parts = [
         state(problem),
         [

@@ -265,11 +265,6 @@ class NodalResult(ContactOutput):
         """
         self._cpp_object.resume(saved)
 
-    def reset_history(self) -> None:
-        """Reset friction and energies; all nodes become open."""
-        for side in self.sides():
-            side.reset()
-
     def spring_frequency(self) -> float:
         """Upper bound of the angular frequency that springs of given stiffness add. Collective.
 
