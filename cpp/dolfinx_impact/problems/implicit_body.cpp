@@ -210,10 +210,10 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
     out.damping =
         std::make_shared<KernelDamping>(u, v, damping, tangents, options.beta, std::ranges::none_of(tangents, varies));
   }
-  std::vector<MaterialCells> laws;
+  std::vector<MaterialCells> parts;
   for (std::size_t k = 0; k < materials.size(); ++k)
-    laws.push_back({materials[k].law, cells[k]});
-  out.body = std::make_shared<KernelBody>(u, laws, KernelBody::Loads{});
+    parts.push_back({materials[k].law, cells[k]});
+  out.body = std::make_shared<KernelBody>(u, parts, KernelBody::Loads{});
   return out;
 }
 } // namespace dolfinx_impact::problems

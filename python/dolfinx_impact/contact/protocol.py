@@ -80,7 +80,7 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     mass: la.Vector
     material: Material | None
-    _cpp_object: _cpp.integrators.CentralDifference
+    _cpp_object: _cpp.problems.ExplicitProblem
 
     @property
     def time(self) -> float:
@@ -450,22 +450,15 @@ class ExplicitContact(Protocol):
             One contact, or for balanced contact one per direction.
         """
 
-    def saved_force(self, side: int) -> FloatArray:
-        """Force of the last step for a checkpoint, (gdim) [F].
+    def saved_states(self) -> list[_cpp.state.State]:
+        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
+
+    def resume(self, saved: list[_cpp.state.State]) -> None:
+        """Go on from what `saved_states` has returned, on these ranks or others.
 
         Args:
-            side: number of the side in `sides`.
+            saved: the states.
         """
-
-    def restore_force(self, force: FloatArray) -> None:
-        """Set the force of the last step from a checkpoint.
-
-        Args:
-            force: as `saved_force` returned it with the first side [F].
-        """
-
-    def reset_history(self) -> None:
-        """Reset friction and energies; all nodes become open."""
 
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""

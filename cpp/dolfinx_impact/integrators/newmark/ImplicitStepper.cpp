@@ -160,6 +160,7 @@ state::State ImplicitStepper::state()
   out.add("largest displacement", state::Place::all, _largest_displacement);
   out.add(_motion.state(bs));
   out.add(_account.state(bs));
+  out.add(_body->state());
   for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
   {
     state::State part("contact " + std::to_string(k));

@@ -40,6 +40,7 @@ public:
   Mat tangent() override;
   std::string fault() override { return _body->fault(); }
   void accept_step() override { _body->accept_step(); }
+  state::State state() override { return _body->state(); }
   std::optional<double> stored_energy() override { return _body->stored_energy(); }
   /// Whether the tangent is the same in all steps of one size.
   bool linear() const override { return _linear; }
