@@ -72,8 +72,8 @@ class InelasticPart:
         return inelastic.force_and_law(self.u, v, self.response, self.kinematics, self.symbols, self.dx, with_stress)
 
     def tangent_form(self) -> tuple[ufl.Form, dict[Any, str]]:
-        """Form of rank 1 of the consistent tangent in a direction, and names of the coefficients that stand for history,
-        local unknowns and the direction.
+        """Form of rank 1 of the consistent tangent in a direction, and names of the coefficients that stand for
+        history, local unknowns and the direction.
 
         Raises:
             ValueError: the stress has a maximum over a cell, which has no derivative.
