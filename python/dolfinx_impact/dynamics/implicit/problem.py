@@ -39,7 +39,7 @@ from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
-from ...statics.inelastic_body import InelasticBody
+from ...statics.material_body import MaterialBody
 from ...statics.newton import body_in_cpp
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
@@ -68,7 +68,7 @@ if TYPE_CHECKING:
     from ...contact.mortar.lagrange import Lagrange, LagrangeContact
     from ...contact.penalty.penalty import Penalty
     from ...contact.penalty.quadrature_penalty import QuadraturePenalty
-    from ...statics.body import BodyTangent
+    from ...contact.protocol import BodyTangent
 
 IMPACT = ("mass_redistribution", "none")
 # Smallest tolerance of local errors: they follow from differences of accelerations, whose round-off in double
@@ -252,7 +252,7 @@ class NewmarkProblem(Unique):
         springs = foundations(self.loads)
         stored, damping = StoredEnergy(u, material, self.body, springs), self._damping_force(resisting, bodies)
         moving_body = _cpp.integrators.MovingBody(
-            body_in_cpp(u, self.body, material is not None, stored.value), u._cpp_object, self.velocity._cpp_object,
+            body_in_cpp(self.body, stored.value), u._cpp_object, self.velocity._cpp_object,
             self.inertia._cpp_object, self.damping.alpha, None if damping is None else damping.in_cpp(),
         )  # fmt: skip
         self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
@@ -545,7 +545,7 @@ class NewmarkProblem(Unique):
     @property
     def has_history(self) -> bool:
         """Whether a material has internal variables."""
-        return isinstance(self.body, InelasticBody)
+        return isinstance(self.body, MaterialBody) and self.body.history is not None
 
     @property
     def history(self) -> MaterialHistory:
@@ -554,7 +554,7 @@ class NewmarkProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        return existing(self.body.history if isinstance(self.body, InelasticBody) else None)
+        return existing(self.body.history if isinstance(self.body, MaterialBody) else None)
 
     # What a checkpoint asks of a problem in time, and implicit ones do not have.
     mass_scaling: float | None = None
