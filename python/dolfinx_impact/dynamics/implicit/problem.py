@@ -49,6 +49,7 @@ from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
 from ..read_once import ReadOnce
+from ..subject import in_time
 from ..supports import Supports
 from .mass_redistribution import MassRedistribution
 from .damping import DampingForce
@@ -269,9 +270,14 @@ class NewmarkProblem(Unique):
             self.comm, self.functions, self.supports, self.num_owned, self.loads_in_time, work, self.obstacles
         )
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
-        self.stepper = ImplicitStepper(self, moving_body)
+        self.stepper = ImplicitStepper(
+            self.equations, moving_body, self.scheme, self.excitation, self.inertia.total, self.velocity,
+            self.acceleration, material, self.inputs, self.read, self.evaluates,
+        )  # fmt: skip
         self._cpp_object: Any = self.stepper._cpp_object
-        self._restart = ImplicitRestart(self)
+        self._restart = ImplicitRestart(
+            in_time(self), u, self.stepper, self.contact, self.functions, self.run_history, self, self._resume
+        )
         self._cpp_object.enter_contact()
         self._cpp_object.start()
         self.add_row()
@@ -352,10 +358,20 @@ class NewmarkProblem(Unique):
         work = 0.5 * float(self.stepper.account.forces.internal @ self.stepper.motion.displacement)
         return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
 
-    def check_growth(self) -> None:
-        """Raise RuntimeError, on all ranks, if a residual of the user's own makes the body move ever faster."""
+    def _accepted(self) -> float:
+        """Take a step over into the histories. Collective.
+
+        Returns:
+            Drift of the energy [1].
+
+        Raises:
+            RuntimeError: a residual of the user's own makes the body move ever faster; on all ranks.
+        """
+        self.add_row()
         if self._growth is not None:
             self._growth.check(self._energy, self.stepper.time)
+        assert self.run_history.last is not None  # a row has been added
+        return self.run_history.drift(self.run_history.last)
 
     def add_row(self) -> None:
         """Add the present energies and contact forces to the history. Collective."""
@@ -465,9 +481,10 @@ class NewmarkProblem(Unique):
             contact.check_parameters()
         if until == self.time:
             return
+        setting = None if update is None else lambda time: update(self, time)
         if self.step == 0 and (update is not None or any(column >= 0 for _, _, column in self.supports)):
             # Only now is there a step over which prescribed motion can be differentiated.
-            self.stepper.update(update, 0.0)
+            self.stepper.update(setting, 0.0)
             self._cpp_object.start(dt)
             self.run_history.begin_anew()
             self.add_row()
@@ -475,8 +492,9 @@ class NewmarkProblem(Unique):
         control = _cpp.integrators.StepControl(dt, shortest, tolerance)
         if known is not None and known.largest == dt and known.tolerance == tolerance:
             control = _cpp.integrators.StepControl(dt, shortest, tolerance, known.length, known.last)
+        after = None if callback is None else lambda: callback(self)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
-        self.stepper.advance(until, control, limits, callback, update, progress, verbose)
+        self.stepper.advance(until, control, limits, after, setting, self._accepted, progress, verbose)
         self.linear_solver.warn_of_unused()
 
     @property
@@ -547,7 +565,7 @@ class NewmarkProblem(Unique):
         """None: all loads are forms."""
         return []
 
-    def resume(self) -> None:
+    def _resume(self) -> None:
         """Compute what follows from a restored state. Collective."""
         self._cpp_object.resume()
         self._set_energy()
