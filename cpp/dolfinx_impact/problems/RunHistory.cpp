@@ -90,6 +90,14 @@ void RunHistory::set_limit(std::size_t limit)
   thin();
 }
 
+std::size_t RunHistory::memory() const
+{
+  std::size_t out = 0;
+  for (const std::vector<double>& block : _blocks)
+    out += block.capacity() * sizeof(double);
+  return out;
+}
+
 void RunHistory::append(double time, const double* step)
 {
   if (_num_rows == _blocks.size() * rows_per_block)

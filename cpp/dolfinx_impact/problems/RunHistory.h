@@ -47,6 +47,8 @@ public:
   double drift(const integrators::Energies& energies) const;
 
   std::size_t limit() const { return _limit; }
+  /// Bytes of all rows, with room for further ones.
+  std::size_t memory() const;
   /// @throws std::invalid_argument for fewer than two rows
   void set_limit(std::size_t limit);
 

@@ -76,7 +76,7 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     mass: la.Vector
     material: Material | None
-    _cpp_object: _cpp.integrators.CentralDifference
+    _cpp_object: _cpp.problems.ExplicitProblem
 
     @property
     def time(self) -> float:
