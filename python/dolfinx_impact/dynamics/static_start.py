@@ -14,6 +14,7 @@ from ..assembly import problem_arguments
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
 from ..contact.penalty.penalty import Penalty
+from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem
 from .spring_start import SpringStart
 
@@ -94,14 +95,13 @@ def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, An
         given: further arguments of the explicit problem.
     """
     V = static.u.function_space
-    history = static.history if static.has_history else None
+    history = State("history")
+    add_history(history, static)
     given = {"velocity": fem.Function(V, name="velocity"), **given}
 
     def build(u: fem.Function) -> ExplicitProblem:
         problem = kind(u, static.material, **given)
-        if history is not None:
-            for name, field in history.items():
-                problem.history[name].values = field.values
+        set_history(history, problem)
         return problem
 
     u = fem.Function(V, name=static.u.name)
