@@ -32,7 +32,6 @@ bool run()
 
   // The end x = 0 moves with constant velocity; y = 0 and z = 0 are planes of symmetry, the other sides are free.
   std::vector<problems::PrescribedMotion> supports;
-  problems::BoundaryConditions bcs;
   for (int axis = 0; axis < 3; ++axis)
   {
     const auto face = mesh::locate_entities_boundary(*mesh, 2,
@@ -45,14 +44,13 @@ bool run()
                                                      });
     auto W = std::make_shared<fem::FunctionSpace<double>>(V->sub({axis}));
     const auto dofs = fem::locate_dofs_topological(*mesh->topology_mutable(), *W->dofmap(), 2, face);
-    bcs.push_back(std::make_shared<fem::DirichletBC<double>>(axis == 0 ? velocity : 0.0, dofs, W));
-    supports.push_back({bcs.back()});
+    supports.push_back({std::make_shared<fem::DirichletBC<double>>(axis == 0 ? velocity : 0.0, dofs, W)});
   }
   supports[0].amplitude = problems::FunctionOfTime([](double time) { return time; });
 
   const problems::KernelMaterial steel{
       "j2.small.linear", {{"E", {E}}, {"nu", {nu}}, {"yield_stress", {yield_stress}}, {"modulus", {modulus}}}};
-  const auto body = problems::implicit_body(u, v, {{steel, density}}, problems::prescribed_dofs(*V, bcs));
+  const auto body = problems::implicit_body(u, v, {{steel, density}}, problems::prescribed_dofs(*V, supports));
   problems::NewmarkOptions options;
   options.scheme = integrators::ImplicitScheme::generalised_alpha(0.5);
   problems::NewmarkProblem bar(u, v, body, supports, {}, {}, options);
@@ -60,23 +58,26 @@ bool run()
   const double until = 0.7 * length / fast;
   bar.advance(until, {.dt = length / 200 / fast});
 
-  // Energy that the driven end has put in over its way; speed behind the elastic wave, from momentum balance.
+  // Speed behind the elastic wave and stress behind the plastic one, from the balance of momentum.
   const double elastic = yield_stress / (density * fast);
   const double stress = yield_stress + density * slow * (velocity - elastic), way = velocity * until;
   const integrators::Energies energy = bar.energies();
   const double force = energy.external / way, expected = stress * width * width;
-  // The plastic wave leaves the strain (v - v_e)/c_p behind it, whose plastic part has taken work.
-  const double plastic = energy.plastic / energy.external;
+  // The plastic wave leaves this plastic strain behind it, at stresses from the yield stress to the present one.
+  const double strain = yield_stress / E + (velocity - elastic) / slow - stress / E;
+  const double plastic = 0.5 * (yield_stress + stress) * strain * slow * until * width * width;
   const double drift = bar.history().drift(energy);
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank == 0)
   {
     std::printf("force on the end / von Karman's = %.4f\n", force / expected);
-    std::printf("plastic energy / work of the end = %.4f\n", plastic);
+    std::printf("plastic energy / von Karman's = %.4f\n", energy.plastic / plastic);
     std::printf("steps %lld, drift of the energy %.1e\n", (long long)bar.step(), drift);
   }
-  return std::abs(force / expected - 1.0) < 0.02 && std::abs(drift) < 0.02;
+  // Waves have fronts of some cells, and the bar's sides have inertia, which the theory leaves out.
+  return std::abs(force / expected - 1.0) < 0.02 && std::abs(energy.plastic / plastic - 1.0) < 0.03 &&
+         std::abs(drift) < 0.02;
 }
 } // namespace
 

@@ -71,26 +71,6 @@ integrators::CellSteps cell_steps(const ExplicitBody& body, const std::vector<Co
   return {body.damping, scheme, std::sqrt(square)};
 }
 
-/// All nodes become open, friction and energies are those of the start.
-void reset(enforcement::NodeToSurface& contact)
-{
-  enforcement::NodalHistory history = contact.history();
-  std::ranges::fill(history.tangential, 0.0);
-  std::ranges::fill(history.slip, 0.0);
-  std::ranges::fill(history.xi, 0.0);
-  std::ranges::fill(history.closed, std::int8_t(0));
-  std::ranges::fill(history.facet, std::int64_t(-1));
-  contact.set_history(history);
-  contact.set_energy({});
-  if (auto* springs = dynamic_cast<enforcement::NodePenalty*>(&contact))
-    springs->set_springs(std::vector<enforcement::Spring>(springs->springs().size()));
-  if (auto* kinematic = dynamic_cast<enforcement::KinematicContact*>(&contact))
-  {
-    const std::vector<double> none(kinematic->impulse().size(), 0.0);
-    kinematic->set_release_history(none, none);
-  }
-}
-
 /// Calls a function of the user after each step, all ranks together.
 class CallingObserver : public RunObserver
 {
@@ -164,8 +144,7 @@ void ExplicitProblem::go_back()
       operation->restore_snapshot();
   for (const ContactInTime& c : _contacts)
     for (const auto& direction : c.contact.directions())
-      if (auto* contact = dynamic_cast<enforcement::NodeToSurface*>(direction.get()))
-        reset(*contact);
+      direction->reset();
 }
 
 std::string ExplicitProblem::unsolved() const

@@ -15,6 +15,17 @@ namespace
 constexpr double start = 1e-12;
 } // namespace
 
+std::vector<std::int8_t> prescribed_dofs(const dolfinx::fem::FunctionSpace<double>& V,
+                                         const std::vector<PrescribedMotion>& supports)
+{
+  const auto& map = *V.dofmap()->index_map;
+  std::vector<std::int8_t> out((map.size_local() + map.num_ghosts()) * V.dofmap()->index_map_bs(), 0);
+  for (const PrescribedMotion& support : supports)
+    for (std::int32_t dof : support.bc->dof_indices().first)
+      out[dof] = 1;
+  return out;
+}
+
 Supports::Supports(const dolfinx::fem::Function<double>& u, std::vector<PrescribedMotion> motions,
                    FunctionsOfTime& functions)
     : _motions(std::move(motions)), _mask(u.x()->array().size(), 0), _present(_mask.size(), 0.0)

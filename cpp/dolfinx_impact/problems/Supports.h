@@ -18,6 +18,10 @@ struct PrescribedMotion
   std::optional<FunctionOfTime> amplitude = std::nullopt; ///< [1]
 };
 
+/// Mask of the degrees of freedom that supports prescribe, owned and ghosts.
+std::vector<std::int8_t> prescribed_dofs(const dolfinx::fem::FunctionSpace<double>& V,
+                                         const std::vector<PrescribedMotion>& supports);
+
 /// Prescribed degrees of freedom of a problem; where several conditions prescribe the same one, the first counts.
 class Supports
 {

@@ -46,7 +46,11 @@ class ContactProblem(Protocol):
 
 
 class BodyTangent(Protocol):
-    """Derivative of the bodies' residual."""
+    """Derivative of the bodies' residual, in a matrix that is made once."""
+
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """The matrix [F/L]."""
 
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix at the present state [F/L]. Collective."""
@@ -446,18 +450,14 @@ class ExplicitContact(Protocol):
             One contact, or for balanced contact one per direction.
         """
 
-    def saved_force(self, side: int) -> FloatArray:
-        """Force of the last step for a checkpoint, (gdim) [F].
+    def saved_states(self) -> list[_cpp.state.State]:
+        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
+
+    def resume(self, saved: list[_cpp.state.State]) -> None:
+        """Go on from what `saved_states` has returned, on these ranks or others.
 
         Args:
-            side: number of the side in `sides`.
-        """
-
-    def restore_force(self, force: FloatArray) -> None:
-        """Set the force of the last step from a checkpoint.
-
-        Args:
-            force: as `saved_force` returned it with the first side [F].
+            saved: the states.
         """
 
     def update_results(self) -> None:

@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from .. import _cpp
 from ..common.collective import agree, attempt
-from ..common.types import ArrayLike, FilePath, FloatArray
+from ..common.types import ArrayLike, FilePath,
 from ..io import checkpoints
 from ..io.checkpoint import Attribute
 from ..io.checkpoints import SAME, Checkpoints, Place, State, number, refuse
@@ -23,7 +23,6 @@ from .step_schedule import StepSchedule
 from .subject import check_nodal, in_time
 from .time_stepper import TimeStepper
 
-ENERGY = ("stored", "friction", "normal", "later_friction", "later_normal", "recoverable")
 TABLES = ("works", "common")  # numbers that the integrator saves by name: sums over ranks, equal on all ranks
 NUMBERS = (
     "time",
@@ -68,12 +67,6 @@ class Restart(Checkpoints):
     def _check_kind(self, call: str) -> None:
         check_nodal(self.problem.space, call)
 
-    def _sides(self) -> Iterator[tuple[str, Any]]:
-        """C++ contacts with their names."""
-        for k, contact in enumerate(self.problem.contact):
-            for j, side in enumerate(contact.sides()):
-                yield f"contact{k}_{j}", side
-
     def _state(self) -> _cpp.state.State:
         self.stepper.refresh()
         return self._with(self.integrator.saved_state())
@@ -100,13 +93,18 @@ class Restart(Checkpoints):
             for name in WATCH:
                 out.add(f"watch {name}", Place.cell, getattr(watch, name))
         for k, contact in enumerate(self.problem.contact):
-            for j, side in enumerate(contact.sides()):
-                out.add(_side_state(f"contact{k}_{j}", side, contact.saved_force(j)))
-        for k, contact in enumerate(self.problem.contact):
+            for j, part in enumerate(contact.saved_states()):
+                part.rename(f"contact{k}_{j}")
+                out.add(part)
             for part in contact.results_state():
                 part.rename(f"{part.name}{k}")
                 out.add(part)
         return out
+
+    @staticmethod
+    def _sides(saved: _cpp.state.State, k: int) -> list[_cpp.state.State]:
+        """States of the sides of a contact."""
+        return [saved.part(name) for name in saved.parts if name.startswith(f"contact{k}_")]
 
     def _attributes(self) -> dict[str, Attribute]:
         stepper, s = self.stepper, self.stepper.schedule
@@ -160,9 +158,9 @@ class Restart(Checkpoints):
         want(common["last_step"] >= 0.0 and common["contact_step"] > 0.0, "steps of ranks/common")
         want(0.0 <= common["release_share"] <= 1.0, "what releases give back is no part")
         facets = 8 * self.problem.space.mesh.topology.index_map(self.problem.space.mesh.topology.dim).size_global
-        for name, _ in self._sides():
-            _check_nodes(saved.part(name), facets, want)
         for k in range(len(self.problem.contact)):
+            for side in self._sides(saved, k):
+                _check_nodes(side, facets, want)
             totals = list(_numbers(saved.part(f"contact{k}")).values())
             want(np.all(np.isfinite(np.concatenate([np.ravel(t) for t in totals]))), f"contact{k} is {totals!r}")
         checkpoints.check_functions(path, attributes["functions of time"], self.stepper.functions, time, beyond)
@@ -175,10 +173,8 @@ class Restart(Checkpoints):
         stepper.inputs.update_all()
         watch = stepper.watch
         checkpoints.set_history(saved, self.problem)
-        for name, side in self._sides():
-            _set_side(saved.part(name), side)
-        for k, contact in enumerate(self.problem.contact):  # the next row of the history tells of it
-            contact.restore_force(saved.part(f"contact{k}_0").array("force"))
+        for k, contact in enumerate(self.problem.contact):
+            contact.resume(self._sides(saved, k))
         changes, change = stepper.inputs.changes, number(saved, "input_change")
         changes.stale, changes.total = change >= 0.0, max(change, 0.0)
         changes.allowed = number(saved, "allowed_change")
@@ -211,24 +207,6 @@ def _numbers(state: _cpp.state.State) -> dict[str, Any]:
     return {name: values[0].item() if len(values) == 1 else values for name, values in found.items()}
 
 
-def _side_state(name: str, side: Any, force: FloatArray) -> _cpp.state.State:
-    """History of the nodes of a contact's side, and this rank's share of its energies and of the force of its pair."""
-    out = State(name)
-    out.at(Place.node, side.nodes.astype(np.int64))
-    for column, values in side.history().items():
-        out.add(column, Place.node, np.ascontiguousarray(values))
-    energies = side.energy()
-    out.add("energies", Place.rank, np.array([energies[energy] for energy in ENERGY]))
-    out.add("force", Place.rank, np.array(force))
-    return out
-
-
-def _set_side(saved: _cpp.state.State, side: Any) -> None:
-    """Set a side of a contact to a state of `_side_state`, but for the force of its pair."""
-    side.set_history({name: saved.array(name) for name in side.history()})
-    side.set_energy(*saved.array("energies"))
-
-
 def _schedule(values: ArrayLike, want: Want, time: float, step: int) -> StepSchedule | None:
     """Steps of an `advance` that was interrupted, from its five numbers; None without numbers."""
     numbers = np.asarray(values, dtype=float).ravel()
@@ -247,7 +225,7 @@ def _check_nodes(state: _cpp.state.State, facets: int, want: Want) -> None:
     """Check the history of a contact's nodes.
 
     Args:
-        state: state of `_side_state`.
+        state: state of a side of a contact.
         facets: upper bound of the numbers of facets [1].
         want: raises ValueError unless a condition holds.
     """

@@ -251,26 +251,17 @@ class NodalResult(ContactOutput):
         """
         return self._sides
 
-    def saved_force(self, side: int) -> FloatArray:
-        """Force of the last step for a checkpoint.
+    def saved_states(self) -> list[_cpp.state.State]:
+        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
+        return list(self._cpp_object.saved_states())
+
+    def resume(self, saved: list[_cpp.state.State]) -> None:
+        """Go on from what `saved_states` has returned, on these ranks or others.
 
         Args:
-            side: number of the side in `sides`.
-
-        Returns:
-            Force on the slave of the pair with the first side, of this rank; zeros with the other one, (gdim) [F].
+            saved: the states.
         """
-        force: FloatArray = self._cpp_object.force[: self.gdim]
-        return force if side == 0 else np.zeros_like(force)
-
-    def restore_force(self, force: FloatArray) -> None:
-        """Set the force of the last step from a checkpoint.
-
-        Args:
-            force: as `saved_force` returned it with the first side, (gdim) [F].
-        """
-        for side in self._sides:
-            side.set_force(force if side is self._sides[0] else np.zeros_like(force))
+        self._cpp_object.resume(saved)
 
     def spring_frequency(self) -> float:
         """Upper bound of the angular frequency that springs of given stiffness add. Collective.
