@@ -5,25 +5,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from .. import _cpp
 from ..common.collective import agree, attempt
-from ..common.types import ArrayLike, FilePath
+from ..common.types import ArrayLike, FilePath,
 from ..io import checkpoints
 from ..io.checkpoint import Attribute
 from ..io.checkpoints import SAME, Checkpoints, Place, number, refuse
 from ..io.given_arguments import short
 from ..io.signature import functions_of_time
+from .recorder import Recorder
+from .started_problem import StartedProblem
 from .step_schedule import StepSchedule
 from .subject import check_nodal, in_time
-
-if TYPE_CHECKING:
-    from .explicit import ExplicitProblem
-    from .recorder import Recorder
-    from .time_stepper import TimeStepper
+from .time_stepper import TimeStepper
 
 TABLES = ("works", "common")  # numbers that the integrator saves by name: sums over ranks, equal on all ranks
 NUMBERS = (
@@ -59,7 +57,7 @@ class Restart(Checkpoints):
     more = ("schedule", "functions of time", *TABLES)
     equal = ("common",)
 
-    def __init__(self, problem: ExplicitProblem, stepper: TimeStepper) -> None:
+    def __init__(self, problem: StartedProblem, stepper: TimeStepper) -> None:
         super().__init__(in_time(problem))
         self.problem, self.stepper, self._cpp_object = problem, stepper, problem._cpp_object
 
