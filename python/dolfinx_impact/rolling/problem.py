@@ -129,7 +129,7 @@ class RollingProblem(Unique):
         self._reduced: ReducedContacts | None = None
         if self._rubs:
             p = self._equilibrium
-            self._reduced = ReducedContacts(mesh.comm, np.flatnonzero(p.fixed[: p.num_owned]))
+            self._reduced = ReducedContacts(p.space, p.fixed[: p.num_owned])
         if self._spin is not None:
             self._torque = self._torque_on(self._spin)
 
