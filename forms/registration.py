@@ -139,7 +139,8 @@ def registered(
     cells_reason: str = "",
     excluded: Mapping[str, str] | None = None,
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorator: register a function that returns a UFL form, or a form and its PointLaw.
+    """Decorator: register a function that returns a UFL form, or a form and its PointLaw, or a form and the names of
+    coefficients that it makes itself.
 
     The function is called with the `Setting`, then with its constants and coefficients as keyword arguments.
 
@@ -267,6 +268,8 @@ def build(
     constants = {label: ufl.Constant(mesh, shape=shape_of(dim)) for label, shape_of in entry.constants.items()}
     coefficients = {label: ufl.Coefficient(space) for label in entry.coefficients}
     made = entry.function(setting, **constants, **coefficients)
-    form, law = made if isinstance(made, tuple) else (made, None)
+    form, more = made if isinstance(made, tuple) else (made, {})
     names = {o: label for label, o in (constants | coefficients).items()}
-    return Built(form, names, used, rule, law)
+    if isinstance(more, PointLaw):
+        return Built(form, names, used, rule, more)
+    return Built(form, names | more, used, rule)

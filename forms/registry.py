@@ -2,15 +2,16 @@
 """The forms by name, and the one table of what is compiled ahead of time.
 
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its
-coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that have no
-internal variables (those that `verify` compares with the hand-written solver element by element). TABLE lists the rows
-that are compiled with the package: what the demos and C++ users need. Everything else takes the run-time route.
+coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that `verify`
+compares with the hand-written solver element by element: those with internal variables, and those that only resist a
+motion, are compared in runs. TABLE lists the rows that are compiled with the package: what the demos and C++ users
+need. Everything else takes the run-time route.
 """
 
 from dataclasses import dataclass
 
 from . import catalogue, quadrature  # noqa: F401  (importing the catalogue registers its forms)
-from .catalogue import plasticity
+from .catalogue import damping, plasticity
 from .materials import LAWS
 from .registration import (
     AXIAL,
@@ -48,7 +49,7 @@ __all__ = [
     "registered",
 ]
 
-NAMES = tuple(name for name in FORMS if name not in plasticity.NAMES)
+NAMES = tuple(name for name in FORMS if name not in (*plasticity.NAMES, *damping.OF_STEPS))
 LAW_FORMS = tuple(name for name in NAMES if name.split(".")[0] in LAWS)
 
 
@@ -101,12 +102,15 @@ def _table() -> tuple[Row, ...]:
                 names.append("nodal_mass")
             if degree == 1:
                 names += ["neo_hookean.tangent", "neo_hookean.energy"]
+                names += [
+                    f"{law}.{what}" for law in ("linear_elastic", "neo_hookean") for what in ("damping", "viscosity")
+                ]
             rows += [Row(name, cell, degree, 1, main) for name in names]
         if CELLS[cell] == 2:
             for hypothesis in ("plane_stress", "axisymmetric"):
                 rows += [Row(n, cell, 1, 1, hypothesis) for n in ("linear_elastic.force", "linear_elastic.tangent")]
     for cell, degree, hypothesis, laws in PLASTIC:
-        names = [f"j2.{law}" for law in laws]
+        names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):
             names.append(plasticity.STIFFNESS)
         if hypothesis == "axisymmetric":

@@ -75,6 +75,16 @@ state::State PythonContact::state()
   return nb::cast<state::State>(_contact.attr("state")());
 }
 
+state::State PythonContact::saved_state()
+{
+  return nb::cast<state::State>(_contact.attr("saved_state")());
+}
+
+void PythonContact::resume(const state::State& saved, std::span<const double> u)
+{
+  _contact.attr("resume")(saved, array(u));
+}
+
 void PythonContact::accept_step()
 {
   _contact.attr("accept_step")();
@@ -202,6 +212,26 @@ std::vector<enforcement::ContactStatus> PythonContact::status() const
 std::vector<double> PythonContact::covered() const
 {
   return entries<double>(_contact.attr("covered")());
+}
+
+std::optional<std::array<double, 3>> PythonContact::force() const
+{
+  const nb::object force = _contact.attr("force");
+  if (force.is_none())
+    return {};
+  std::array<double, 3> out{};
+  std::ranges::copy(entries<double>(force), out.begin());
+  return out;
+}
+
+double PythonContact::dissipated() const
+{
+  return nb::cast<double>(_contact.attr("dissipated"));
+}
+
+double PythonContact::stored_energy() const
+{
+  return nb::cast<double>(_contact.attr("stored_energy")());
 }
 
 // --- multipliers

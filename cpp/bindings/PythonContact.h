@@ -37,6 +37,8 @@ public:
   std::string largest_violation() const override;
   std::string mesh_advice() const override;
   double smallest_gap() const override;
+  state::State saved_state() override;
+  void resume(const state::State& saved, std::span<const double> u) override;
   void forget() override;
   std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const override;
   bool close_nearest() override;
@@ -50,6 +52,9 @@ public:
   std::vector<enforcement::ContactStatus> status() const override;
   std::vector<double> weight() const override { return numbers_of("weight"); }
   std::vector<double> covered() const override;
+  std::optional<std::array<double, 3>> force() const override;
+  double dissipated() const override;
+  double stored_energy() const override;
 
   std::span<const std::int32_t> nodes() const override;
   std::span<const std::int64_t> numbers() const override;

@@ -66,6 +66,10 @@ void bind_static_contact(nb::module_& m)
       .def("largest_violation", &StaticContact::largest_violation)
       .def("mesh_advice", &StaticContact::mesh_advice)
       .def("smallest_gap", &StaticContact::smallest_gap)
+      .def("saved_state", &StaticContact::saved_state, "What a checkpoint holds of the last converged state")
+      .def(
+          "resume", [](StaticContact& c, const dolfinx_impact::state::State& saved, Values u)
+          { c.resume(saved, view(u)); }, nb::arg("saved"), nb::arg("u"), "Continue from a checkpoint. Collective")
       .def("forget", &StaticContact::forget)
       .def(
           "rigid_body_products",
@@ -93,7 +97,8 @@ void bind_static_contact(nb::module_& m)
           "status", [](const StaticContact& c) { return numbers(c.status()); }, nb::rv_policy::move)
       .def_prop_ro(
           "weight", [](const StaticContact& c) { return take(c.weight()); }, nb::rv_policy::move)
-      .def("covered", [](const StaticContact& c) { return take(c.covered()); });
+      .def("covered", [](const StaticContact& c) { return take(c.covered()); })
+      .def("stored_energy", &StaticContact::stored_energy, "Energy of the springs of a penalty. Collective");
 }
 } // namespace
 

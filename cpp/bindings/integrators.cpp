@@ -47,90 +47,6 @@ nb::object row(const Energies& e)
   return nb::cast(dolfinx_impact::bindings::take(std::vector<double>(values.begin(), values.end())));
 }
 
-using Saved = CentralDifference::Saved;
-
-/// Calls f(name, value) for what adds up over ranks.
-void each_work(Saved& s, const auto& f)
-{
-  f("residual", s.energies.residual_work);
-  f("loads", s.energies.load_work);
-  f("supports", s.energies.support_work);
-  f("mass_damping", s.energies.damped);
-  f("elastic", s.energies.elastic);
-  f("obstacles", s.obstacle_work);
-  const auto term = [&f](const std::string& name, Saved::Term& t)
-  {
-    f(name + "_done", t.work.done);
-    f(name + "_before", t.work.before);
-    f(name + "_position", t.position);
-  };
-  term("springs", s.springs);
-  for (std::size_t k = 0; k < s.terms.size(); ++k)
-    term("term" + std::to_string(k), s.terms[k]);
-}
-
-/// Calls f(name, value) for what is the same on all ranks.
-void each_common(Saved& s, const auto& f)
-{
-  f("reference", s.energies.reference);
-  f("lowest", s.energies.lowest);
-  f("largest", s.energies.largest);
-  f("release_share", s.energies.release_share);
-  f("release_limit", s.energies.release_limit);
-  f("last_step", s.last_step);
-  f("contact_step", s.contact_step);
-  f("unwatched", s.unwatched);
-  for (std::size_t k = 0; k < s.obstacles.size(); ++k)
-    for (int c = 0; c < 3; ++c)
-    {
-      const std::string end = std::to_string(k) + "_" + "xyz"[c];
-      f("obstacle" + end, s.obstacles[k].displacement[c]);
-      f("obstacle_increment" + end, s.obstacles[k].increment[c]);
-      f("obstacle_increment_before" + end, s.obstacles[k].increment_before[c]);
-    }
-}
-
-nb::dict to_dict(Saved s)
-{
-  nb::dict arrays, works, common, out;
-  each_work(s, [&works](const std::string& name, double value) { works[name.c_str()] = value; });
-  each_common(s, [&common](const std::string& name, double value) { common[name.c_str()] = value; });
-  const auto add = [&arrays](const std::string& name, std::vector<double>& values)
-  { arrays[name.c_str()] = nb::cast(dolfinx_impact::bindings::take(std::move(values))); };
-  add("u", s.u);
-  add("v", s.v);
-  add("r", s.r);
-  add("springs", s.springs.force);
-  add("kinematic", s.kinematic);
-  for (std::size_t k = 0; k < s.terms.size(); ++k)
-    add("term" + std::to_string(k), s.terms[k].force);
-  out["arrays"] = arrays;
-  out["works"] = works;
-  out["common"] = common;
-  return out;
-}
-
-Saved from_dict(const CentralDifference& run, const nb::dict& arrays, const nb::dict& works, const nb::dict& common)
-{
-  Saved s;
-  s.terms.resize(run.num_terms());
-  s.obstacles.resize(run.num_contacts());
-  each_work(s, [&works](const std::string& name, double& value) { value = nb::cast<double>(works[name.c_str()]); });
-  each_common(s, [&common](const std::string& name, double& value) { value = nb::cast<double>(common[name.c_str()]); });
-  const auto get = [&arrays](const std::string& name)
-  {
-    const auto a = nb::cast<Values>(arrays[name.c_str()]);
-    return std::vector<double>(a.data(), a.data() + a.size());
-  };
-  s.u = get("u");
-  s.v = get("v");
-  s.r = get("r");
-  s.springs.force = get("springs");
-  s.kinematic = get("kinematic");
-  for (std::size_t k = 0; k < s.terms.size(); ++k)
-    s.terms[k].force = get("term" + std::to_string(k));
-  return s;
-}
 } // namespace
 
 void dolfinx_impact::bindings::integrators(nb::module_& m)
@@ -203,23 +119,9 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
             return take(std::vector<double>(u.begin(), u.end()));
           },
           nb::rv_policy::move)
-      .def(
-          "save", [](CentralDifference& self) { return to_dict(self.save()); },
-          "Dict of dicts: arrays (owned entries), works (add up over ranks), common (the same on all ranks)")
-      .def(
-          "restore", [](CentralDifference& self, const nb::dict& arrays, const nb::dict& works, const nb::dict& common)
-          { self.restore(from_dict(self, arrays, works, common)); }, nb::arg("arrays"), nb::arg("works"),
-          nb::arg("common"))
-      .def(
-          "saved_names",
-          [](const CentralDifference& self)
-          {
-            Saved s;
-            s.terms.resize(self.num_terms());
-            s.obstacles.resize(self.num_contacts());
-            return to_dict(std::move(s));
-          },
-          "Such a dict without values: which names there are")
+      .def("saved_state", &CentralDifference::saved_state, "What the run goes on from beside contacts and materials")
+      .def("empty_state", &CentralDifference::empty_state, "A state of that structure, of zeros")
+      .def("resume", &CentralDifference::resume, nb::arg("saved"), "Go on from what saved_state has returned")
       .def_prop_ro("gain", [](const CentralDifference& self) { return self.gain().now; })
       .def_prop_ro("most_gained", [](const CentralDifference& self) { return self.gain().most; })
       .def_prop_rw("gain_limit", &CentralDifference::gain_limit, &CentralDifference::set_gain_limit)

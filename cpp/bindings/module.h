@@ -25,8 +25,11 @@ void mortar_contact(nanobind::module_& m);
 void mortar_geometry(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
 void solve(nanobind::module_& m);
+void bodies(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);
+void newmark(nanobind::module_& m);
+void problems(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace dolfinx_impact::bindings

@@ -56,91 +56,6 @@ nb::dict results(const NodeToSurface& self)
   return out;
 }
 
-/// Columns of a checkpoint, by name; a row for each owned slave node.
-nb::dict history(const NodeToSurface& self)
-{
-  const NodalHistory h = self.history();
-  const std::size_t n = h.closed.size(), gdim = self.candidates().gdim();
-  nb::dict out;
-  out["tangential"] = copy(h.tangential, {n, gdim});
-  out["slip"] = copy(h.slip, {n, gdim});
-  out["xi"] = copy(h.xi, {n, 2});
-  return out;
-}
-
-void add_state(const NodeToSurface& self, nb::dict& out)
-{
-  const NodalHistory h = self.history();
-  out["closed"] = copy(h.closed, {h.closed.size()});
-  out["facet"] = copy(h.facet, {h.facet.size()});
-}
-
-/// Names and members of a spring.
-constexpr std::array<std::pair<const char*, double Spring::*>, 6> spring_members{
-    {{"spring_force", &Spring::force},
-     {"spring_compliance", &Spring::compliance},
-     {"spring_gap", &Spring::gap},
-     {"spring_surplus", &Spring::surplus},
-     {"spring_tangential_surplus", &Spring::tangential_surplus},
-     {"spring_offset", &Spring::offset}}};
-
-nb::dict penalty_history(const NodePenalty& self)
-{
-  nb::dict out = history(self);
-  for (const auto& [name, member] : spring_members)
-  {
-    std::vector<double> column;
-    for (const Spring& spring : self.springs())
-      column.push_back(spring.*member);
-    out[name] = take(std::move(column));
-  }
-  add_state(self, out);
-  return out;
-}
-
-nb::dict kinematic_history(const KinematicContact& self)
-{
-  nb::dict out = history(self);
-  out["absorbed_energy"] = copy(self.absorbed_energy(), {self.absorbed_energy().size()});
-  out["impulse"] = copy(self.impulse(), {self.impulse().size()});
-  add_state(self, out);
-  return out;
-}
-
-template <typename T>
-std::vector<T> entries(const nb::dict& dict, const char* name)
-{
-  const auto array = nb::cast<nb::ndarray<const T, nb::c_contig, nb::device::cpu>>(dict[name]);
-  return {array.data(), array.data() + array.size()};
-}
-
-void set_history(NodeToSurface& self, const nb::dict& dict)
-{
-  self.set_history({entries<double>(dict, "tangential"), entries<double>(dict, "slip"), entries<double>(dict, "xi"),
-                    entries<std::int8_t>(dict, "closed"), entries<std::int64_t>(dict, "facet")});
-}
-
-void set_penalty_history(NodePenalty& self, const nb::dict& dict)
-{
-  set_history(self, dict);
-  std::vector<Spring> springs(self.springs().size());
-  for (const auto& [name, member] : spring_members)
-  {
-    const std::vector<double> column = entries<double>(dict, name);
-    if (column.size() != springs.size())
-      throw std::invalid_argument(std::string("the history belongs to other nodes: ") + name);
-    for (std::size_t i = 0; i < springs.size(); ++i)
-      springs[i].*member = column[i];
-  }
-  self.set_springs(std::move(springs));
-}
-
-void set_kinematic_history(KinematicContact& self, const nb::dict& dict)
-{
-  set_history(self, dict);
-  self.set_release_history(entries<double>(dict, "absorbed_energy"), entries<double>(dict, "impulse"));
-}
-
 nb::dict counters(const NodeToSurface& self)
 {
   const auto& c = self.tracker().counters();
@@ -208,7 +123,10 @@ void construct_kinematic(KinematicContact* self, const FunctionSpace& V, const F
 
 void dolfinx_impact::bindings::nodal(nb::module_& m)
 {
-  nb::class_<NodalContact>(m, "NodalContact", "Contact as the explicit integrator sees it");
+  nb::class_<NodalContact>(m, "NodalContact", "Contact as the explicit integrator sees it")
+      .def("saved_state", &NodalContact::saved_state, "What the next step starts from, values of its own")
+      .def("resume", &NodalContact::resume, nb::arg("saved"), "Go on from what saved_state has returned")
+      .def("reset", &NodalContact::reset, "All nodes become open, energies and histories those of the start");
   nb::class_<NodeToSurface, NodalContact>(m, "NodeToSurface",
                                           "Slave nodes against a surface, step after step; all arrays are copies")
       .def(
@@ -271,26 +189,8 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "force", [](const NodeToSurface& self)
           { return take(std::vector<double>(self.force().begin(), self.force().begin() + self.candidates().gdim())); },
           nb::rv_policy::move)
-      .def(
-          "set_force",
-          [](NodeToSurface& self, Values force)
-          {
-            if (force.size() > 3)
-              throw std::invalid_argument("a force has three components at most");
-            std::array<double, 3> all{};
-            std::copy_n(force.data(), force.size(), all.begin());
-            self.set_force(all);
-          },
-          nb::arg("force"), "As `force` returned it")
       .def("results", &results)
       .def("energy", [](const NodeToSurface& self) { return energies(self.energy()); })
-      .def(
-          "set_energy",
-          [](NodeToSurface& self, double stored, double friction, double normal, double later_friction,
-             double later_normal, double recoverable)
-          { self.set_energy({stored, friction, normal, later_friction, later_normal, recoverable}); },
-          nb::arg("stored"), nb::arg("friction"), nb::arg("normal"), nb::arg("later_friction") = 0.0,
-          nb::arg("later_normal") = 0.0, nb::arg("recoverable") = 0.0)
       .def_prop_ro(
           "passage",
           [](const NodeToSurface& self)
@@ -336,9 +236,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           },
           nb::arg("slave"), nb::arg("master"),
           "Reciprocals of the nodal stiffness of both surfaces by owned node, zero where none is known; before "
-          "`number`")
-      .def("history", &penalty_history)
-      .def("set_history", &set_penalty_history, nb::arg("history"));
+          "`number`");
 
   const KinematicContactOptions k;
   nb::class_<KinematicContact, NodeToSurface>(m, "KinematicContact", "Forces that correct a predicted step")
@@ -366,9 +264,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           },
           nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),
           nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,
-          "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective")
-      .def("history", &kinematic_history)
-      .def("set_history", &set_kinematic_history, nb::arg("history"));
+          "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective");
 
   nb::class_<NodalPair>(m, "NodalPair", "Contact of a pair in an explicit problem: one direction, or both (balanced)")
       .def(nb::init<std::vector<std::shared_ptr<NodalContact>>>(), nb::arg("directions"),
@@ -382,6 +278,8 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
             return take(std::vector<double>(force.begin(), force.end()));
           },
           nb::rv_policy::move, "Three components of the force on the slave in the last step, of this rank")
+      .def("saved_states", &NodalPair::saved_states, "What the next step starts from, of each direction")
+      .def("resume", &NodalPair::resume, nb::arg("saved"), "Go on from what saved_states has returned")
       .def("energy", [](const NodalPair& self) { return energies(self.energy()); });
 
   m.def(

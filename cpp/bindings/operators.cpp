@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "dolfinx_impact/operators/CellBounds.h"
 #include "dolfinx_impact/operators/CellMatrix.h"
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
-#include "dolfinx_impact/operators/Tangent.h"
+#include "dolfinx_impact/operators/KernelTangent.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
-#include "module.h"
+#include "petsc_objects.h"
 #include <dolfinx/la/Vector.h>
+#include <nanobind/stl/tuple.h>
 
 namespace nb = nanobind;
 using namespace dolfinx_impact::operators;
@@ -25,6 +27,25 @@ Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& 
           {entities.data(), entities.data() + entities.size()},
           {constants.data(), constants.data() + constants.size()},
           std::move(history)};
+}
+
+void bind_tangent(nb::module_& m)
+{
+  nb::class_<KernelTangent>(m, "KernelTangent", "Matrix of kernels and of a form of DOLFINx, made once")
+      .def(
+          "__init__",
+          [](KernelTangent* self, std::shared_ptr<const FunctionSpace> rows,
+             std::shared_ptr<const FunctionSpace> columns, const std::vector<Integral>& integrals,
+             const Coefficients& coefficients, std::shared_ptr<const dolfinx::fem::Form<double>> other)
+          {
+            new (self) KernelTangent({std::move(rows), std::move(columns)}, integrals, coefficients, std::move(other));
+          },
+          nb::arg("test"), nb::arg("trial"), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("other").none(),
+          "Collective")
+      .def("assemble", &KernelTangent::assemble, nb::arg("bcs"), "Rows and columns of bcs are zeroed. Collective")
+      .def("set_constants",
+           [](KernelTangent& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })
+      .def_prop_ro("matrix", &KernelTangent::matrix, nb::rv_policy::reference);
 }
 
 void bind_history(nb::module_& m)
@@ -145,6 +166,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           },
           "Points not solved in the last evaluation on this rank: number, then cell, point, relative residual and "
           "unknowns of the first")
+      .def("fault", &InternalForce::fault, "Which local equations were not solved in the last evaluation. Collective")
       .def("width", &InternalForce::width, nb::arg("integral") = 0)
       .def(
           "repeat",
@@ -155,6 +177,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           },
           nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
       .def_prop_ro("flops", &InternalForce::flops);
+  bind_tangent(m);
   m.def(
       "cell_masses_hrz", [](const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
       { return bindings::take(cell_masses_hrz(mass, V, coefficients)); }, nb::arg("mass"), nb::arg("V"),
@@ -165,9 +188,41 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       { return bindings::take(cell_masses_nodal(nodal, row_sum, V, coefficients)); }, nb::arg("nodal"),
       nb::arg("row_sum"), nb::arg("V"), nb::arg("coefficients"), nb::rv_policy::move,
       "Lumped mass of a nodal rule by cell and local degree of freedom");
+  nb::class_<CellBounds>(m, "CellBounds", "Bounds of the eigenvalues of cell matrices over the cells' masses")
+      .def(
+          "__init__",
+          [](CellBounds* self, std::shared_ptr<const FunctionSpace> V,
+             const std::vector<std::tuple<Integral, Coefficients, bool>>& parts)
+          {
+            std::vector<CellBounds::Part> all;
+            for (const auto& [integral, coefficients, varies] : parts)
+              all.push_back({integral, coefficients, varies});
+            new (self) CellBounds(std::move(V), std::move(all));
+          },
+          nb::arg("V"), nb::arg("parts"), "parts: integral, functions by name, does it read any?")
+      .def(
+          "set_constants", [](CellBounds& self, std::size_t i, Values c)
+          { self.set_constants(i, {c.data(), c.size()}); }, nb::arg("part"), nb::arg("constants"))
+      .def_prop_ro("joins_cells", &CellBounds::joins_cells)
+      .def(
+          "spectra",
+          [](CellBounds& self, Values masses, nb::object only, bool facets)
+          {
+            std::vector<std::int8_t> mask; // outlives what is seen of it
+            std::optional<std::span<const std::int8_t>> chosen;
+            if (!only.is_none())
+            {
+              const auto given = nb::cast<nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(only);
+              mask.assign(given.data(), given.data() + given.size());
+              chosen = mask;
+            }
+            auto found = self.spectra({masses.data(), masses.size()}, chosen, facets);
+            const std::size_t num = found.size() / 3;
+            return bindings::take(std::move(found), {num, 3});
+          },
+          nb::arg("masses"), nb::arg("only").none(), nb::arg("facets"), nb::rv_policy::move,
+          "Lower bound, upper bound and norm of the skew part by owned cell. Collective");
   m.attr("direction_name") = direction_name;
-  m.def("create_form", &create_form, nb::arg("spaces"), nb::arg("integrals"), nb::arg("coefficients"),
-        nb::rv_policy::move, "DOLFINx's form of rank 2 with kernels that CellMatrix takes");
   m.def(
       "cell_spectra",
       [](const Integral& matrix, const FunctionSpace& V, const Coefficients& coefficients, Values masses)

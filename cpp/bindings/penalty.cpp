@@ -275,19 +275,6 @@ void bind_contact(nb::module_& m)
       .def_prop_ro("forces", &QuadraturePenalty::forces, reference)
       .def_prop_ro("uzawa", &QuadraturePenalty::uzawa, reference)
       .def(
-          "resume",
-          [](QuadraturePenalty& p, double penalty, double tangential, Values u,
-             nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> status,
-             nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> facets)
-          {
-            std::vector<ContactStatus> states(status.size());
-            std::transform(status.data(), status.data() + status.size(), states.begin(),
-                           [](std::int8_t s) { return ContactStatus(s); });
-            p.resume(penalty, tangential, view(u), std::move(states), {facets.data(), facets.size()});
-          },
-          nb::arg("penalty"), nb::arg("tangential"), nb::arg("u"), nb::arg("status"), nb::arg("facets"))
-      .def("facet_ids", [](const QuadraturePenalty& p) { return take(p.facet_ids()); })
-      .def(
           "nodal_means",
           [](const QuadraturePenalty& p, nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> values)
           {

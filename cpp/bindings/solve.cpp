@@ -202,27 +202,35 @@ void bind_active_sets(nb::module_& m)
 
 void bind_newton(nb::module_& m)
 {
-  nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent");
+  nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent")
+      .def("residual", &Body::residual, nb::rv_policy::reference, "Borrowed until the next call. Collective")
+      .def("tangent", &Body::tangent, nb::rv_policy::reference, "Borrowed until the next call. Collective")
+      .def("fault", &Body::fault, "Why the last residual could not be computed. Collective")
+      .def("accept_step", &Body::accept_step, "The state of the last residual is what the next step begins from")
+      .def("stored_energy", &Body::stored_energy, "None: it is not known. Collective");
   nb::class_<FunctionBody, Body>(m, "FunctionBody", "Bodies whose residual and tangent are functions")
       .def(
           "__init__",
           [](FunctionBody* self, nb::callable residual, nb::callable tangent, std::function<std::string()> fault,
-             std::function<void()> accept_step, std::optional<nb::callable> origin, bool linear, bool symmetric,
+             std::function<void()> accept_step, std::optional<nb::callable> origin,
+             std::function<std::optional<double>()> stored_energy, bool linear, bool keeps_tangent, bool symmetric,
              bool inelastic, bool has_inertia, bool has_springs, bool rounds_positions)
           {
             FunctionBody::Functions functions{[residual] { return as_petsc<Vec>(residual()); },
                                               [tangent] { return as_petsc<Mat>(tangent()); },
                                               std::move(fault),
                                               std::move(accept_step),
-                                              {}};
+                                              {},
+                                              std::move(stored_energy)};
             if (origin)
               functions.origin = [origin = *origin] { return copy_of(nb::cast<Values>(origin())); };
-            new (self) FunctionBody(std::move(functions),
-                                    {linear, symmetric, inelastic, has_inertia, has_springs, rounds_positions});
+            new (self) FunctionBody(std::move(functions), {linear, keeps_tangent, symmetric, inelastic, has_inertia,
+                                                           has_springs, rounds_positions});
           },
           nb::arg("residual"), nb::arg("tangent"), nb::arg("fault").none(), nb::arg("accept_step").none(),
-          nb::arg("origin").none(), nb::arg("linear"), nb::arg("symmetric"), nb::arg("inelastic"),
-          nb::arg("has_inertia"), nb::arg("has_springs"), nb::arg("rounds_positions"));
+          nb::arg("origin").none(), nb::arg("stored_energy").none(), nb::arg("linear"), nb::arg("keeps_tangent"),
+          nb::arg("symmetric"), nb::arg("inelastic"), nb::arg("has_inertia"), nb::arg("has_springs"),
+          nb::arg("rounds_positions"));
   nb::class_<EquilibriumProblem>(m, "EquilibriumProblem", "Bodies and contacts in equilibrium")
       .def(
           "__init__",
@@ -236,7 +244,8 @@ void bind_newton(nb::module_& m)
                 axisymmetric, keeps_multipliers, exact_tangent,       std::move(fields)};
           },
           nb::arg("u"), nb::arg("body"), nb::arg("contacts"), nb::arg("fixed"), nb::arg("linear_solver"),
-          nb::arg("axisymmetric"), nb::arg("keeps_multipliers"), nb::arg("exact_tangent"), nb::arg("fields"));
+          nb::arg("axisymmetric"), nb::arg("keeps_multipliers"), nb::arg("exact_tangent"), nb::arg("fields"))
+      .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; });
   nb::class_<NewtonOptions>(m, "NewtonOptions", "Tolerances and limits of Newton's method")
       .def(nb::init<>())
       .def_rw("rtol", &NewtonOptions::rtol)

@@ -74,6 +74,25 @@ void dolfinx_impact::bindings::state(nb::module_& m)
                      return out;
                    })
       .def(
+          "numbers",
+          [](const State& self, Place place) -> nb::object
+          {
+            const std::vector<std::int64_t>* found = self.numbers(place);
+            return found ? nb::cast(copy(*found, {found->size()})) : nb::none();
+          },
+          nb::arg("place"), "Nodes or facets that rows at a place belong to; None: all")
+      .def(
+          "columns", [](const State& self, const std::string& name) { return self.field(name).columns; },
+          nb::arg("name"))
+      .def(
+          "at",
+          [](State& self, Place place,
+             nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> numbers)
+          { self.at(place, {numbers.data(), numbers.data() + numbers.size()}); },
+          nb::arg("place"), nb::arg("numbers"), "Say which nodes or facets the rows at a place belong to")
+      .def(
+          "rename", [](State& self, std::string name) { self.rename(std::move(name)); }, nb::arg("name"))
+      .def(
           "place", [](const State& self, const std::string& name) { return self.field(name).place; }, nb::arg("name"))
       .def(
           "array", [](nb::handle self, const std::string& name)
@@ -91,6 +110,8 @@ void dolfinx_impact::bindings::state(nb::module_& m)
       .def("copy", &State::copy, "The same tree with values of its own")
       .def("assign", &State::assign, nb::arg("other"),
            "Set the values to those of a tree with the same fields and parts")
+      .def("assign_common", &State::assign_common, nb::arg("other"),
+           "Set the fields that another state has, too; parts stay")
       .def("difference_of_structure", &State::difference_of_structure, nb::arg("other"))
       .def("difference_of_values", &State::difference_of_values, nb::arg("other"))
       .def("__repr__",

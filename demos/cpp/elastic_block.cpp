@@ -11,7 +11,7 @@
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
-#include <dolfinx_impact/operators/Tangent.h>
+#include <dolfinx_impact/operators/KernelTangent.h>
 #include <exception>
 #include <memory>
 #include <numeric>
@@ -88,7 +88,7 @@ bool run()
   internal_force.apply(f);
 
   const auto stiffness = over_all_cells({.name = "linear_elastic.tangent", .cell = "hexahedron"}, *mesh, steel);
-  operators::Tangent tangent({V, V}, stiffness, {});
+  operators::KernelTangent tangent({V, V}, stiffness, {});
   tangent.assemble();
   const double error = difference(tangent.matrix(), *u, f);
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""J2 plasticity with isotropic hardening: "j2.small.linear" and so on, and the stiffness that bounds its frequencies.
+"""J2 plasticity with isotropic hardening: "j2.small.linear.force", its consistent tangent and so on, and the stiffness
+that bounds its frequencies.
 
 The forms are those of J2Plasticity with its defaults, mean dilatation included, so that its kernels are found among
 those that come with the package. The order of the constants must be the one in which J2Plasticity makes them.
@@ -7,7 +8,9 @@ those that come with the package. The order of the constants must be the one in 
 
 from typing import Any
 
-from .. import inelastic, quadrature
+import ufl
+
+from .. import consistent_tangent, inelastic, quadrature
 from ..hardening import LinearHardening, VoceHardening
 from ..materials import LinearElastic
 from ..plasticity import J2
@@ -19,7 +22,8 @@ ISOTROPIC: dict[str, tuple[type, tuple[str, ...]]] = {
     "voce": (VoceHardening, ("yield_stress", "saturation", "rate", "modulus")),
 }
 STIFFNESS = "elastic_stiffness.finite"
-NAMES = (*(f"j2.{strain}.{name}" for strain in ("small", "finite") for name in ISOTROPIC), STIFFNESS)
+LAWS = tuple(f"j2.{strain}.{name}" for strain in ("small", "finite") for name in ISOTROPIC)
+NAMES = (*(f"{law}.{kind}" for law in LAWS for kind in ("force", "tangent")), STIFFNESS)
 
 
 def _kinematics(on: Setting, finite: bool) -> inelastic.Kinematics:
@@ -28,18 +32,25 @@ def _kinematics(on: Setting, finite: bool) -> inelastic.Kinematics:
 
 def _register(finite: bool, name: str) -> None:
     hardening, parameters = ISOTROPIC[name]
+    law = f"j2.{'finite' if finite else 'small'}.{name}"
+    constants = {**ELASTIC, **dict.fromkeys(parameters, SCALAR)}
 
-    @registered(
-        f"j2.{'finite' if finite else 'small'}.{name}",
-        quadrature=quadrature.stiffness_degree,
-        constants={**ELASTIC, **dict.fromkeys(parameters, SCALAR)},
-        coefficients=("u",),
-    )
-    def force(on: Setting, E: Any, nu: Any, u: Any, **given: Any) -> Any:
+    def response_on(on: Setting, E: Any, nu: Any, given: dict[str, Any]) -> tuple[J2, inelastic.Symbols]:
         isotropic, plane_stress = hardening(**given), on.hypothesis == "plane_stress"
         response = J2(E, nu, CELLS[on.cell], isotropic, finite_strain=finite, plane_stress=plane_stress)
-        symbols = inelastic.Symbols(response, on.mesh, on.quadrature_degree)
+        return response, inelastic.Symbols(response, on.mesh, on.quadrature_degree)
+
+    @registered(f"{law}.force", quadrature=quadrature.stiffness_degree, constants=constants, coefficients=("u",))
+    def force(on: Setting, E: Any, nu: Any, u: Any, **given: Any) -> Any:
+        response, symbols = response_on(on, E, nu, given)
         return inelastic.force_and_law(u, on.test, response, _kinematics(on, finite), symbols, on.dx)
+
+    @registered(f"{law}.tangent", quadrature=quadrature.stiffness_degree, constants=constants, coefficients=("u",))
+    def tangent(on: Setting, E: Any, nu: Any, u: Any, **given: Any) -> Any:
+        response, symbols = response_on(on, E, nu, given)
+        du, kinematics = ufl.Coefficient(on.space), _kinematics(on, finite)
+        form = consistent_tangent.consistent_tangent(u, du, on.test, response, kinematics, symbols, on.dx)
+        return form, consistent_tangent.names_of(symbols, du)
 
 
 for _finite in (False, True):

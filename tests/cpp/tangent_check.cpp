@@ -10,7 +10,7 @@
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
-#include <dolfinx_impact/operators/Tangent.h>
+#include <dolfinx_impact/operators/KernelTangent.h>
 #include <functional>
 #include <spdlog/spdlog.h>
 #include <string>
@@ -116,7 +116,7 @@ void checks()
     work += f.array()[i] * d->x()->array()[i];
   expect(std::abs((plus - minus) / (2 * h) - total(work)) < 1e-8, "energy and force");
 
-  operators::Tangent tangent({V, V}, pieces("neo_hookean.tangent", *mesh), {{"u", u}});
+  operators::KernelTangent tangent({V, V}, pieces("neo_hookean.tangent", *mesh), {{"u", u}});
   tangent.assemble();
   Vec x, y;
   VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, size, PETSC_DETERMINE, d->x()->array().data(), &x);
@@ -153,8 +153,8 @@ void checks()
   VecDestroy(&x), VecDestroy(&y);
 
   auto tangents = pieces("neo_hookean.tangent", *mesh), forces = pieces("neo_hookean.force", *mesh);
-  expect_error([&] { operators::create_form({V, V}, tangents, {}); }, "needs a coefficient named 'u'");
-  expect_error([&] { operators::create_form({V, V}, forces, {{"u", u}}); }, "rank 1, not 2");
+  expect_error([&] { operators::KernelTangent({V, V}, tangents, {}); }, "needs a coefficient named 'u'");
+  expect_error([&] { operators::KernelTangent({V, V}, forces, {{"u", u}}); }, "rank 1, not 2");
   expect_error([&] { operators::InternalForce(mesh, V, tangents, {{"u", u}}); }, "rank 2");
   expect_error([&] { operators::InternalForce(mesh, V, forces, {}); }, "needs a coefficient named 'u'");
   expect_error([&] { operators::InternalForce(mesh, nullptr, forces, {{"u", u}}); }, "needs a test space");

@@ -50,6 +50,9 @@ public:
   enforcement::ContactEnergy energy() const override { return energies; }
   enforcement::Passage passage() const override { return passed; }
   const std::array<double, 3>& force() const override { return total; }
+  state::State saved_state() const override { return state::State("none"); }
+  void resume(const state::State&) override {}
+  void reset() override {}
 
   int searches = 0, forgotten = 0;
   std::int32_t own = -1;

@@ -67,3 +67,31 @@ TEST_CASE("a state has every name once, and whole rows")
   CHECK_THROWS_AS(state.part("nothing"), std::out_of_range);
   CHECK(state.field("velocity").rows() == 2);
 }
+
+TEST_CASE("a state takes some fields of another one, and rows are of the same nodes")
+{
+  Owner owner;
+  State mine = owner.state(), other("other");
+  other.add_own("velocity", Place::node, std::vector<double>{4.0, 3.0, 2.0, 1.0}, 2);
+  other.add_own("more", Place::all, std::vector<double>{9.0});
+  mine.assign_common(other);
+  CHECK(owner.velocity == std::vector<double>{4.0, 3.0, 2.0, 1.0});
+  CHECK(owner.time == 0.5);
+  other.add_own("time", Place::all, std::vector<std::int64_t>{7});
+  other.values<double>("velocity")[0] = 8.0;
+  CHECK_THROWS_AS(mine.assign_common(other), std::invalid_argument);
+  CHECK(owner.velocity[0] == 4.0);
+
+  static const std::string names[] = {"time"};
+  State some = mine.copy_of(names);
+  owner.time = 1.5;
+  CHECK(some.fields().size() == 1);
+  CHECK(some.values<double>("time")[0] == 0.5);
+  CHECK(mine.numbers(Place::node) == nullptr);
+  mine.at(Place::node, {3, 5});
+  const State copied = mine.copy();
+  REQUIRE(copied.numbers(Place::node) != nullptr);
+  CHECK(*copied.numbers(Place::node) == std::vector<std::int64_t>{3, 5});
+  mine.at(Place::node, {3, 4});
+  CHECK_FALSE(mine.difference_of_structure(copied).empty());
+}

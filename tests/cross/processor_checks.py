@@ -33,7 +33,7 @@ def results(cells):
         # By place: which node has which number is no result.
         order = np.lexsort(case.body.V.tabulate_dof_coordinates().round(6).T)
         key = f"{case.body.cell} {case.body.degree}, {case.name}"
-        out["width"] = problem._internal._parts[0].width
+        out["width"] = problem._bodies.internal._parts[0].width
         out[f"{key}: step"] = dt
         out[f"{key}: displacement"] = u[-1].reshape(len(order), -1)[order]
         out[f"{key}: energies"] = problem.energy_history[:, 1:]

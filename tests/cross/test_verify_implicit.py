@@ -2,19 +2,20 @@
 """Implicit runs of `verify`: both sides agree, and every kind of fault on one side is seen."""
 
 import copy
-import dataclasses
 import functools
 import itertools
 
 import numpy as np
 import pytest
-from fault_injection import scaled
 
+from dolfinx_impact._cpp.integrators import ImplicitScheme
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
-from dolfinx_impact.dynamics.implicit.inertia import Inertia
-from dolfinx_impact.dynamics.implicit.motion import StepMotion
-from dolfinx_impact.dynamics.implicit.moving_body import MovingBody
+from dolfinx_impact.assembly.consistent_mass import ConsistentMass
+from dolfinx_impact.dynamics.implicit import problem as implicit_problem
+from dolfinx_impact.dynamics.implicit.damping import DampingForce
+from dolfinx_impact.dynamics.implicit.mass_redistribution import MassRedistribution
+from dolfinx_impact.statics.inelastic_body import InelasticBody
 from dolfinx_impact.verify import cross_check, history, implicit
 from dolfinx_impact.verify.report import Report
 
@@ -106,29 +107,22 @@ def test_yielding_rows_pass():
 # --- faults ----------------------------------------------------------------------------------------------------------
 
 
+def change_scheme(monkeypatch, change):
+    """Let problems take the parameters that a function makes of those of their schemes."""
+    right = implicit_problem.scheme_of
+    monkeypatch.setattr(implicit_problem, "scheme_of", lambda *arguments: ImplicitScheme(*change(right(*arguments))))
+
+
 def test_exchanged_parameters_are_seen(monkeypatch):
     """beta in the velocity and gamma in the displacement, as seed (3.81) may be read."""
-    right = StepMotion.__init__
-
-    def wrong(self, scheme, *arguments):
-        right(self, dataclasses.replace(scheme, beta=scheme.gamma, gamma=scheme.beta), *arguments)
-
-    monkeypatch.setattr(StepMotion, "__init__", wrong)
+    change_scheme(monkeypatch, lambda s: (s.gamma, s.beta, s.alpha_m, s.alpha_f))
     for name in ("shaken block", "support that moves, first order"):
         assert {"displacement", "velocity", "acceleration", "kinetic energy"} <= failed(case_of(name))
 
 
 def test_inertia_of_the_mean_acceleration_is_seen(monkeypatch):
-    """M A in place of M a: without alphas they are the same."""
-    right = StepMotion.__init__
-
-    def wrong(self, scheme, *arguments):
-        right(self, scheme, *arguments)
-        free = self.acceleration_factor > 0.0
-        self.acceleration_factor[free] = self._mean_factor
-        self.acceleration_rest[free] = self._mean_rest[free]
-
-    monkeypatch.setattr(StepMotion, "__init__", wrong)
+    """M A in place of M a, which are the same without alphas."""
+    change_scheme(monkeypatch, lambda s: (s.beta, s.gamma, 0.0, 0.0))
     assert not failed(case_of("shaken block"))
     assert "displacement" in failed(case_of("damped block under a load, generalised-alpha"))
     assert "displacement" in failed(case_of("shaken block, HHT, lumped"))
@@ -142,13 +136,13 @@ def test_contact_mass_that_is_kept_is_seen(name):
 def test_history_that_is_committed_too_soon_is_seen(monkeypatch):
     """After every residual in place of the end of the step. (Twice at the end would be no fault: a return mapping from
     its own result does nothing.)"""
-    right = MovingBody.add_residual
+    right = InelasticBody.add_residual
 
     def wrong(self, b):
         right(self, b)
-        self.body.accept_step()
+        self.accept_step()
 
-    monkeypatch.setattr(MovingBody, "add_residual", wrong)
+    monkeypatch.setattr(InelasticBody, "add_residual", wrong)
     report = yielding()
     assert {"displacement", "plastic energy"} <= {row.name.split(" of the ")[0] for row in report.failures()}
 
@@ -164,7 +158,7 @@ def test_friction_that_is_committed_twice_is_seen(monkeypatch, contacts_in_pytho
     assert "friction energy" in failed(case_of("disc on a block, lagrange"))
 
 
-def test_friction_that_is_not_committed_is_seen(monkeypatch):
+def test_friction_that_is_not_committed_is_seen(monkeypatch, contacts_in_python):
     """In every other step. (Twice would be no fault with penalty: it takes over the state of the last residual.)"""
     right, count = QuadraturePenalty.accept_step, itertools.count()
     monkeypatch.setattr(QuadraturePenalty, "accept_step", lambda self: right(self) if next(count) % 2 else None)
@@ -172,14 +166,17 @@ def test_friction_that_is_not_committed_is_seen(monkeypatch):
 
 
 def test_damping_at_the_old_velocity_is_seen(monkeypatch):
-    right = MovingBody.damping_forces
+    """At that of the evaluation before."""
+    right = DampingForce.forces
 
-    def wrong(self, state):
-        if self._step is not None:
-            state = dataclasses.replace(state, velocity=self._step.start.velocity)
-        return right(self, state)
+    def wrong(self):
+        now = self.velocity.x.array.copy()
+        self.velocity.x.array[:], self.before = getattr(self, "before", now), now
+        found = right(self)
+        self.velocity.x.array[:] = now
+        return found
 
-    monkeypatch.setattr(MovingBody, "damping_forces", wrong)
+    monkeypatch.setattr(DampingForce, "forces", wrong)
     case = case_of("damped block under a load, generalised-alpha")
     assert {"displacement", "velocity", "damping energy"} <= failed(case)
 
@@ -191,19 +188,26 @@ def test_damping_with_the_stiffness_at_rest_is_seen():
 
 
 def test_another_mass_is_seen(monkeypatch):
-    monkeypatch.setattr(Inertia, "times", scaled(Inertia.times, SMALL))
+    right = ConsistentMass.assemble
+
+    def wrong(self):
+        matrix = right(self)
+        matrix.scale(SMALL)
+        return matrix
+
+    monkeypatch.setattr(ConsistentMass, "assemble", wrong)
     assert {"displacement", "kinetic energy"} <= failed(case_of("shaken block"))
 
 
 def test_velocity_of_massless_nodes_is_seen(monkeypatch):
     """Newmark's velocity at nodes without mass in place of the mean of the step."""
-    right = StepMotion.__init__
+    right = MassRedistribution.__init__
 
-    def wrong(self, scheme, step, start, massless, prescribed):
-        right(self, scheme, step, start, massless, prescribed)
-        self.velocity_factor[massless] *= SMALL
+    def wrong(self, *arguments):
+        right(self, *arguments)
+        self.massless[:] = False
 
-    monkeypatch.setattr(StepMotion, "__init__", wrong)
+    monkeypatch.setattr(MassRedistribution, "__init__", wrong)
     assert "velocity" in failed(case_of("two bars, lagrange"))
 
 

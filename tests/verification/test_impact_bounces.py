@@ -48,9 +48,9 @@ class Bar(Impact):
 
         def take_it_all(p):
             side = p.contact[0].sides()[0]
-            history = side.history()
-            history["absorbed_energy"][:] = 0.0
-            side.set_history(history)
+            state = side.saved_state()
+            state.array("absorbed_energy")[:] = 0.0
+            side.resume(state)
 
         until = self.gap + bounces * PERIOD - 0.8 / GRAVITY
         problem.advance(until, callback=None if release else take_it_all, progress=False)

@@ -11,7 +11,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact.dynamics.implicit.scheme import ImplicitScheme
+from dolfinx_impact._cpp.integrators import ImplicitScheme
 
 CELLS = 4
 ROD = di.LinearElastic(E=1.0, nu=0.0, density=1.0, hypothesis="plane_strain")

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ContactTotals.h"
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace dolfinx_impact::enforcement
 {
@@ -32,5 +34,32 @@ void ContactTotals::update(MPI_Comm comm, const ContactPoints& p)
   area = sums[6];
   dissipated += sums[7];
   std::ranges::copy(p.slip, slip.begin());
+}
+
+void ContactTotals::add_to(state::State& saved, int gdim) const
+{
+  const auto first = [this](const std::array<double, 3>& vector, int n)
+  {
+    return known ? std::vector<double>(vector.begin(), vector.begin() + n)
+                 : std::vector<double>(n, std::numeric_limits<double>::quiet_NaN());
+  };
+  saved.add_own("force", state::Place::all, first(force, gdim));
+  saved.add_own("moment", state::Place::all, first(moment, gdim == 2 ? 1 : 3));
+  saved.add_own("area", state::Place::all, std::vector<double>{area, dissipated});
+}
+
+void ContactTotals::resume(const state::State& saved, std::vector<double> counted)
+{
+  const auto f = saved.values<double>("force"), m = saved.values<double>("moment"), a = saved.values<double>("area");
+  known = std::ranges::none_of(f, [](double component) { return std::isnan(component); });
+  if (known)
+  {
+    force = moment = {};
+    std::ranges::copy(f, force.begin());
+    std::ranges::copy(m, moment.begin());
+  }
+  area = a[0];
+  dissipated = a[1];
+  slip = std::move(counted);
 }
 } // namespace dolfinx_impact::enforcement

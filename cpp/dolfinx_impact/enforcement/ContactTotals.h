@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../state/State.h"
 #include "ContactStatus.h"
 #include <array>
 #include <mpi.h>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,7 +32,14 @@ struct ContactTotals
   double dissipated = 0.0;  ///< work of friction so far: in each increment, tractions at its end times its slip [F L]
   std::vector<double> slip; ///< slips of this rank's points whose work is counted; empty: zero [L]
 
+  /// Force on the slave; nothing before the first converged increment [F].
+  std::optional<std::array<double, 3>> known_force() const { return known ? std::optional(force) : std::nullopt; }
   /// Sum up a converged increment. Collective.
   void update(MPI_Comm comm, const ContactPoints& points);
+  /// Add the totals to what a checkpoint holds, values of its own; not a number where they are not known.
+  void add_to(state::State& saved, int gdim) const;
+  /// Set the totals from such a state.
+  /// @param[in] counted slips of this rank's points [i*gdim + c] [L]
+  void resume(const state::State& saved, std::vector<double> counted);
 };
 } // namespace dolfinx_impact::enforcement

@@ -98,6 +98,11 @@ public:
   virtual std::string mesh_advice() const { return ""; }
   /// Smallest gap of all ranks; infinite where no point has a master [L].
   virtual double smallest_gap() const = 0;
+  /// What a checkpoint holds of the last converged state, values of its own. Not collective.
+  virtual state::State saved_state() = 0;
+  /// Continue from what `saved_state` of the same contact has returned, on these ranks or others.
+  /// @param[in] u displacements of the checkpoint, owned and ghosts [L]
+  virtual void resume(const state::State& saved, std::span<const double> u) = 0;
   /// Forget what a checkpoint does not have, candidates of the search and places of matrices, so that the next step is
   /// that of a restored run. Not collective.
   virtual void forget() = 0;
@@ -130,6 +135,12 @@ public:
   virtual std::vector<double> weight() const = 0;
   /// Part of each point's area that is in contact [1]. Collective.
   virtual std::vector<double> covered() const = 0;
+  /// Force on the slave of all ranks, in the last converged state; nothing before the first [F].
+  virtual std::optional<std::array<double, 3>> force() const = 0;
+  /// Work of friction so far, of all ranks [F L].
+  virtual double dissipated() const = 0;
+  /// Energy of the springs of a penalty, of all ranks; zero with multipliers [F L]. Collective.
+  virtual double stored_energy() const { return 0.0; }
 };
 
 /// A static contact whose normal tractions are unknowns: an active set on the linearised problem. Arrays by node are

@@ -343,51 +343,53 @@ std::pair<std::int32_t, double> CentralDifference::fastest() const
   return found;
 }
 
-CentralDifference::Saved CentralDifference::save()
+state::State CentralDifference::saved_state()
 {
   if (!_evaluated)
     evaluate();
   const auto owned = [this](const std::vector<double>& a)
   { return std::vector<double>(a.begin(), a.begin() + _fields.owned); };
   ContactNodes::Forces contact = _contact.forces(_fields);
-  Saved saved;
-  saved.u = owned(_fields.u);
-  saved.v = owned(_fields.v);
-  saved.r = owned(_fields.r);
-  for (ForceTerm& term : _terms)
-    saved.terms.push_back({term.saved_force(_fields), term.work, term.position()});
-  saved.springs = {std::move(contact.springs), _contact.spring_work(), _contact.spring_position()};
-  saved.kinematic = std::move(contact.kinematic);
-  saved.energies = _energies.save();
-  saved.obstacle_work = _contact.obstacle_work();
-  saved.last_step = _last_step;
-  saved.contact_step = _contact.step();
-  saved.unwatched = _unwatched;
-  saved.obstacles = _contact.obstacles();
+  auto saved = std::make_shared<RunState>(_fields.owned, _terms.size(), _contact.size());
+  saved->u = owned(_fields.u);
+  saved->v = owned(_fields.v);
+  saved->r = owned(_fields.r);
+  for (std::size_t k = 0; k < _terms.size(); ++k)
+    saved->terms[k] = {_terms[k].saved_force(_fields), _terms[k].work, _terms[k].position()};
+  saved->springs = {std::move(contact.springs), _contact.spring_work(), _contact.spring_position()};
+  saved->kinematic = std::move(contact.kinematic);
+  saved->energies = _energies.save();
+  saved->obstacle_work = _contact.obstacle_work();
+  saved->last_step = _last_step;
+  saved->contact_step = _contact.step();
+  saved->unwatched = _unwatched;
+  saved->obstacles = _contact.obstacles();
   _contact.forget_searches();
-  return saved;
+  state::State out = saved->state(_fields.bs);
+  out.keep(std::move(saved));
+  return out;
 }
 
-void CentralDifference::restore(const Saved& saved)
+state::State CentralDifference::empty_state() const
 {
-  const auto right = [this](const std::vector<double>& a) { return a.size() == _fields.owned; };
-  bool all = right(saved.u) && right(saved.v) && right(saved.r) && right(saved.springs.force) &&
-             right(saved.kinematic) && saved.terms.size() == _terms.size() && saved.obstacles.size() == _contact.size();
-  for (const Saved::Term& term : saved.terms)
-    all = all && right(term.force);
-  if (!all)
-    throw std::invalid_argument("the saved state is that of another problem");
-  start(saved.u, saved.v);
-  std::copy(saved.r.begin(), saved.r.end(), _fields.r.begin());
+  return RunState(_fields.owned, _terms.size(), _contact.size()).state(_fields.bs).copy();
+}
+
+void CentralDifference::resume(const state::State& saved)
+{
+  RunState run(_fields.owned, _terms.size(), _contact.size());
+  run.state(_fields.bs).assign(saved);
+  start(run.u, run.v);
+  std::copy(run.r.begin(), run.r.end(), _fields.r.begin());
   for (std::size_t k = 0; k < _terms.size(); ++k)
-    _terms[k].restore(saved.terms[k].force, saved.terms[k].work, saved.terms[k].position);
-  _contact.restore({saved.springs.force, saved.kinematic}, saved.springs.work, saved.springs.position,
-                   saved.obstacle_work, saved.obstacles);
-  _energies.restore(saved.energies);
-  _last_step = saved.last_step;
-  _unwatched = int(saved.unwatched);
-  if (saved.contact_step > 0.0)
-    _contact.set_step(saved.contact_step);
+    _terms[k].restore(run.terms[k].force, run.terms[k].work, run.terms[k].position);
+  _contact.restore({run.springs.force, run.kinematic}, run.springs.work, run.springs.position, run.obstacle_work,
+                   run.obstacles);
+  _energies.restore(run.energies);
+  _last_step = run.last_step;
+  _unwatched = int(run.unwatched);
+  if (run.contact_step > 0.0)
+    _contact.set_step(run.contact_step);
   _evaluated = true;
 }
 

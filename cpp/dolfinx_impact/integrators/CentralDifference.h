@@ -8,6 +8,7 @@
 #include "Loads.h"
 #include "NodalFields.h"
 #include "PrescribedMotion.h"
+#include "RunState.h"
 #include "update.h"
 #include <chrono>
 #include <functional>
@@ -101,31 +102,14 @@ public:
   /// Owned degree of freedom that moves fastest or is not a number, and its speed: where an unstable run broke.
   std::pair<std::int32_t, double> fastest() const;
 
-  /// Everything that a continued run needs beside the histories of contacts.
-  struct Saved
-  {
-    struct Term
-    {
-      std::vector<double> force; ///< owned entries [F]
-      Work work;
-      double position = 0.0; ///< displacement times force [F L]
-    };
-    std::vector<double> u, v, r; ///< owned entries; v half a step ago
-    std::vector<Term> terms;
-    Term springs;                  ///< of contact
-    std::vector<double> kinematic; ///< forces of kinematic contact, owned entries [F]
-    EnergyBalance::Saved energies;
-    double obstacle_work = 0.0;                 ///< adds up over ranks [F L]
-    double last_step = 0.0, contact_step = 0.0; ///< [T]
-    double unwatched = 0.0;                     ///< steps since the last look at deformations [1]
-    std::vector<ContactForces::Obstacle> obstacles;
-  };
-  /// Collective.
-  Saved save();
-  /// @throws std::invalid_argument for arrays of other sizes than the problem's
-  void restore(const Saved& saved);
-  std::size_t num_terms() const { return _terms.size(); }
-  std::size_t num_contacts() const { return _contact.size(); }
+  /// What the run goes on from, beside contacts and materials, values of its own. Contact is searched anew in the next
+  /// step, as in a run that is restored. Collective.
+  state::State saved_state();
+  /// A state of that structure, of zeros.
+  state::State empty_state() const;
+  /// Go on from what `saved_state` has returned; start from its displacement and velocity. Collective.
+  /// @throws std::invalid_argument for the state of another problem
+  void resume(const state::State& saved);
 
   // --- figures ----------------------------------------------------------------------------------------------------
 

@@ -2,6 +2,7 @@
 #include "Batches.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
+#include "lanes.h"
 #include <algorithm>
 #include <cstring>
 #include <dolfinx/fem/DofMap.h>
@@ -12,24 +13,10 @@ namespace dolfinx_impact::operators
 {
 namespace
 {
-constexpr std::size_t alignment = 64;
-
-double* aligned(double* p)
-{
-  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(p) % alignment;
-  return beyond == 0 ? p : p + (alignment - beyond) / sizeof(double);
-}
-
 /// Are the values the solution of the local equations (UNKNOWN of forms/inelastic.py)?
 bool is_local_unknown(const impact_output& output)
 {
   return std::strcmp(output.name, "local_unknown") == 0;
-}
-
-/// Entries of an array rounded up to whole cache lines.
-std::size_t rounded(std::size_t n)
-{
-  return (n + 7) / 8 * 8;
 }
 
 /// Node numbers of padded entities, lane by lane: those of the `sides` cells of each, one cell after the other.
@@ -157,8 +144,9 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
       add_group(by_facet[f], f);
   }
 
-  const std::size_t entries = rounded(std::size_t(k.size_A) * _width) + rounded(std::size_t(k.size_w) * _width) +
-                              rounded(std::size_t(3) * _x.num_nodes * _width) + 8;
+  const std::size_t entries = whole_lines(std::size_t(k.size_A) * _width) +
+                              whole_lines(std::size_t(k.size_w) * _width) +
+                              whole_lines(std::size_t(3) * _x.num_nodes * _width) + 8;
   _buffer.resize(entries);
 }
 
@@ -329,8 +317,8 @@ double Batches::run(double* b) const
   const impact_kernel& k = *_kernel;
   const std::size_t size_A = std::size_t(k.shape[0]) * _width;
   double* A = aligned(_buffer.data());
-  double* w = A + rounded(std::size_t(k.size_A) * _width);
-  double* x = w + rounded(std::size_t(k.size_w) * _width);
+  double* w = A + whole_lines(std::size_t(k.size_A) * _width);
+  double* x = w + whole_lines(std::size_t(k.size_w) * _width);
   const double* nodes = _mesh->geometry().x().data();
   double sum = 0.0;
   _failures.count = 0;

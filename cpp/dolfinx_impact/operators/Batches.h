@@ -18,6 +18,8 @@ namespace dolfinx_impact::operators
 using Mesh = dolfinx::mesh::Mesh<double>;
 using FunctionSpace = dolfinx::fem::FunctionSpace<double>;
 using Function = dolfinx::fem::Function<double>;
+/// Functions by the names that kernels have for them.
+using Coefficients = std::map<std::string, std::shared_ptr<const Function>>;
 
 /// One integral of an operator: a kernel, where it acts, and the values of its constants.
 struct Integral

@@ -9,9 +9,9 @@ namespace dolfinx_impact::operators
 /// Name of the coefficient in whose place a kernel of rank 1 has the trial function.
 inline constexpr const char* direction_name = "direction of the tangent";
 
-/// Matrix of a cell or facet (of both cells of an interior one): by a kernel of rank 2; or column by column by a kernel
-/// of rank 1 that is linear in the coefficient `direction_name`, with one of its degrees of freedom set at a time.
-/// Averages over a cell are sums over its points, which a kernel of rank 1 makes once per column.
+/// Matrix of a cell or facet (of both cells of an interior one): by a kernel of rank 2; or by a kernel of rank 1 that
+/// is linear in the coefficient `direction_name`, a column in each of its lanes, with one of the direction's degrees of
+/// freedom set there. Averages over a cell are sums over its points, which a kernel of rank 1 makes once per column.
 class CellMatrix
 {
 public:
@@ -25,11 +25,14 @@ public:
   /// @param[in] c constants
   /// @param[in] x coordinates of the cell's nodes
   /// @param[in] facet number of the facet in the cell, or what a kernel of interior facets takes as its entity
-  void add(double* A, const double* w, std::span<const double> c, const double* x, int facet);
+  void add(double* A, const double* w, std::span<const double> c, std::span<const double> x, int facet);
 
 private:
+  void add_columns(double* A, const double* w, std::span<const double> c, std::span<const double> x, int facet);
+
+  int _width;
   impact_tabulate _tabulate;
-  int _num_rows, _num_columns, _size_w, _first = -1; ///< _first: entry of the direction in w; -1: of rank 2
-  std::vector<double> _w, _column;
+  int _num_rows, _num_columns, _size_w, _size_A, _first = -1; ///< _first: entry of the direction in w; -1: of rank 2
+  std::vector<double> _buffer;                                ///< columns, w and x of all lanes, aligned by hand
 };
 } // namespace dolfinx_impact::operators

@@ -1,16 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "InternalForce.h"
+#include "../common/text.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 
 namespace dolfinx_impact::operators
 {
+namespace
+{
+/// Number that a cell has in the input of its mesh; without an input, as submeshes are, its global number.
+std::int64_t input_cell_number(const dolfinx::mesh::Topology& topology, std::int32_t cell)
+{
+  if (topology.original_cell_index.size() == 1 && std::size_t(cell) < topology.original_cell_index[0].size())
+    return topology.original_cell_index[0][cell];
+  return topology.index_map(topology.dim())->local_range()[0] + cell;
+}
+} // namespace
+
 InternalForce::InternalForce(const std::shared_ptr<const Mesh>& mesh, std::shared_ptr<const FunctionSpace> test,
                              const std::vector<Integral>& integrals,
                              const std::map<std::string, std::shared_ptr<const Function>>& coefficients, int width)
-    : _test(std::move(test))
+    : _mesh(mesh), _test(std::move(test))
 {
   if (width != 0 && width != 1 && width != 4 && width != 8)
     throw std::invalid_argument("width is " + std::to_string(width) +
@@ -125,6 +138,39 @@ PointFailures InternalForce::failures() const
     all.count = before + own.count;
   }
   return all;
+}
+
+std::string InternalForce::fault() const
+{
+  if (std::ranges::none_of(_batches, [](const Batches& batches) { return batches.kernel().local_unknowns > 0; }))
+    return "";
+  const PointFailures own = failures();
+  std::int64_t total = std::int64_t(own.count);
+  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, _mesh->comm());
+  if (total == 0)
+    return "";
+  std::vector<double> here; // cell, point, residual and unknowns of this rank's first
+  if (own.count > 0)
+  {
+    here = {double(input_cell_number(*_mesh->topology(), own.cell)), double(own.point), own.residual};
+    here.insert(here.end(), own.unknowns.begin(), own.unknowns.end());
+  }
+  // Of several materials the first ones may have another number of unknowns on each rank.
+  std::int64_t size = std::int64_t(here.size());
+  int rank = 0, first = size > 0 ? 0 : std::numeric_limits<int>::max();
+  MPI_Comm_rank(_mesh->comm(), &rank);
+  first = size > 0 ? rank : first;
+  MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, _mesh->comm());
+  MPI_Bcast(&size, 1, MPI_INT64_T, first, _mesh->comm());
+  here.resize(std::size_t(size));
+  MPI_Bcast(here.data(), int(size), MPI_DOUBLE, first, _mesh->comm());
+  std::string unknowns;
+  for (std::size_t i = 3; i < here.size(); ++i)
+    unknowns += (i > 3 ? ", " : "") + common::text("%.6g", here[i]);
+  return "the local equations of the material were not solved at " + std::to_string(total) +
+         " points; the first is point " + std::to_string(int(here[1])) + " of cell " +
+         std::to_string(std::int64_t(here[0])) + " (number in the mesh's input): residual " +
+         common::text("%.3g", here[2]) + " of its scale, unknowns " + unknowns;
 }
 
 bool InternalForce::has_history() const

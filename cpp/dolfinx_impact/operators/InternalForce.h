@@ -70,6 +70,9 @@ public:
   double sum(const std::string& name) const;
   /// Points of all integrals whose local equations were not solved in the last evaluation on this rank.
   PointFailures failures() const;
+  /// A sentence about the points of all ranks whose local equations were not solved in the last evaluation: their
+  /// number, and what is known of the first; empty if all were. Collective where kernels have local equations.
+  std::string fault() const;
   /// Number of those points.
   std::size_t num_failures() const;
   /// Has any integral internal variables of its own?
@@ -83,6 +86,7 @@ public:
   double flops() const;
 
 private:
+  std::shared_ptr<const Mesh> _mesh;
   std::shared_ptr<const FunctionSpace> _test;
   std::vector<Batches> _batches;
 };

@@ -29,7 +29,7 @@ void PointHistory::commit()
     return;
   for (Field& f : _fields)
     if (f.is_history)
-      std::swap(f.committed, f.trial);
+      std::ranges::copy(f.trial, f.committed.begin()); // not exchanged: a State has views of committed values
   _evaluated = false;
 }
 
@@ -87,6 +87,14 @@ std::vector<double> PointHistory::values(std::size_t field, bool trial) const
   return out;
 }
 
+void PointHistory::copy_cell(std::size_t field, std::size_t cell, double* out) const
+{
+  const Field& f = _fields[field];
+  const double* from = f.committed.data() + entry(f, cell, 0, 0);
+  for (int i = 0; i < _num_points * f.num_components; ++i)
+    out[i] = from[std::size_t(i) * _width];
+}
+
 void PointHistory::set_values(std::size_t field, std::span<const double> values)
 {
   Field& f = _fields.at(field);
@@ -105,6 +113,15 @@ void PointHistory::set_values(std::size_t field, std::span<const double> values)
         f.committed[entry(f, lane, q, c)] = values[cell * per_cell + std::size_t(q) * f.num_components + c];
   }
   _evaluated = false;
+}
+
+state::State PointHistory::state(const std::string& name)
+{
+  state::State out(name);
+  for (Field& f : _fields)
+    if (f.is_history)
+      out.add(f.name, state::Place::rank, f.committed);
+  return out;
 }
 
 std::size_t PointHistory::memory() const

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../kernels/Kernel.h"
+#include "../state/State.h"
 #include <cstdint>
 #include <span>
 #include <string>
@@ -58,6 +59,9 @@ public:
   /// @param[in] field
   /// @param[in] trial of the last evaluation instead of the last commit
   std::vector<double> values(std::size_t field, bool trial = false) const;
+  /// Values of one cell, shape (num_points, num_components): committed ones, of results the last evaluation's.
+  /// @param[in] cell number in `cells`
+  void copy_cell(std::size_t field, std::size_t cell, double* out) const;
   /// Replace committed values, and forget the last evaluation.
   /// @param[in] values shape (num_cells, num_points, num_components)
   /// @throws std::invalid_argument for another size, or values that are not finite
@@ -65,6 +69,9 @@ public:
 
   /// Bytes of all values.
   std::size_t memory() const;
+  /// Committed values of this rank in the order of the batches: copied, they can be gone back to. Setting them forgets
+  /// the last evaluation once `revert` is called.
+  state::State state(const std::string& name);
 
   /// Committed values of a batch, as a kernel reads them.
   const double* committed(std::size_t field, std::size_t batch) const

@@ -26,7 +26,7 @@ std::vector<double> cell_masses_hrz(const Integral& mass, const FunctionSpace& V
     masses.resize(start + n);
     values.gather(cell);
     std::fill(M.begin(), M.end(), 0.0);
-    tabulate(M.data(), values.w(), mass.constants.data(), values.nodes(), 0);
+    tabulate(M.data(), values.w(), mass.constants.data(), values.nodes().data(), 0);
     for (int c = 0; c < bs; ++c)
     {
       double total = 0.0, trace = 0.0;
@@ -66,10 +66,10 @@ std::vector<double> cell_masses_nodal(const Integral& nodal, const Integral& row
     row_values.gather(cell);
     std::fill(at_nodes.begin(), at_nodes.end(), 0.0);
     std::fill(exact.begin(), exact.end(), 0.0);
-    kernels::tabulate(*nodal.kernel, 1)(at_nodes.data(), nodal_values.w(), nodal.constants.data(), nodal_values.nodes(),
-                                        0);
-    kernels::tabulate(*row_sum.kernel, 1)(exact.data(), row_values.w(), row_sum.constants.data(), row_values.nodes(),
-                                          0);
+    kernels::tabulate(*nodal.kernel, 1)(at_nodes.data(), nodal_values.w(), nodal.constants.data(),
+                                        nodal_values.nodes().data(), 0);
+    kernels::tabulate(*row_sum.kernel, 1)(exact.data(), row_values.w(), row_sum.constants.data(),
+                                          row_values.nodes().data(), 0);
     double sum = 0.0, mass = 0.0;
     for (int i = 0; i < n; ++i)
       sum += at_nodes[i], mass += exact[i];

@@ -7,9 +7,6 @@
 
 namespace dolfinx_impact::operators
 {
-/// Coefficients of kernels by their names, ghosts up to date: a density that varies.
-using Coefficients = std::map<std::string, std::shared_ptr<const Function>>;
-
 /// Lumped mass of each cell by Hinton, Rock and Zienkiewicz (1976): the diagonal of its consistent mass matrix, scaled
 /// so that the cell's mass is kept in every direction. Positive on every cell, for simplices of degree 2 as well.
 /// @param[in] mass kernel of rank 2 (form "mass") with its cells and constants

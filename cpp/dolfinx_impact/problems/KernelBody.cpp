@@ -2,11 +2,12 @@
 #include "KernelBody.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/constants.h"
-#include "../operators/petsc_check.h"
 #include <algorithm>
-#include <dolfinx/la/petsc.h>
+#include <iterator>
 #include <numeric>
+#include <stdexcept>
 #include <string_view>
+#include <utility>
 
 namespace dolfinx_impact::problems
 {
@@ -20,57 +21,103 @@ bool reads_displacement(const impact_kernel& kernel)
       return true;
   return false;
 }
+
+/// Integrals of one kind of kernel of a material.
+std::vector<operators::Integral> integrals(const operators::FunctionSpace& V, const KernelMaterial& material,
+                                           const std::string& kind, const std::vector<std::int32_t>& cells)
+{
+  const auto& mesh = *V.mesh();
+  const kernels::Key key{material.name + kind, dolfinx::mesh::to_string(mesh.topology()->cell_type()),
+                         V.element()->basix_element().degree(), mesh.geometry().cmap().degree(), material.hypothesis};
+  std::vector<operators::Integral> out;
+  for (const impact_kernel* kernel : kernels::find(key))
+    out.push_back({kernel, cells, kernels::constants(*kernel, material.constants)});
+  return out;
+}
+
+std::vector<std::int32_t> owned_cells(const operators::Mesh& mesh)
+{
+  std::vector<std::int32_t> cells(mesh.topology()->index_map(mesh.topology()->dim())->size_local());
+  std::iota(cells.begin(), cells.end(), 0);
+  return cells;
+}
 } // namespace
 
-KernelBody::KernelBody(std::shared_ptr<dolfinx::fem::Function<double>> u, const KernelMaterial& material)
-    : _u(std::move(u)), _values(_u->function_space()->dofmap()->index_map, _u->function_space()->dofmap()->bs())
+/// What a body is made of.
+struct KernelBody::Made
 {
-  const auto V = _u->function_space();
-  const auto mesh = V->mesh();
-  const int tdim = mesh->topology()->dim();
-  std::vector<std::int32_t> cells(mesh->topology()->index_map(tdim)->size_local());
-  std::iota(cells.begin(), cells.end(), 0);
-  const auto integrals = [&](const char* what)
+  std::shared_ptr<dolfinx::fem::Function<double>> u;
+  Form residual;
+  std::shared_ptr<operators::KernelTangent> tangent;
+  solve::BodyProperties properties;
+  BodyKernels kernels;
+};
+
+KernelBody::Made KernelBody::make(std::shared_ptr<dolfinx::fem::Function<double>> u,
+                                  const std::vector<MaterialCells>& materials, const Loads& loads)
+{
+  const auto V = u->function_space();
+  const operators::Coefficients read{{"u", u}};
+  std::vector<operators::Integral> forces, tangents;
+  bool inelastic = false, linear = !loads.tangent;
+  // First all forces: their operator makes the histories that the tangents read.
+  std::vector<std::size_t> first;
+  for (const MaterialCells& m : materials)
   {
-    std::vector<operators::Integral> out;
-    const kernels::Key key{material.name + what, dolfinx::mesh::to_string(mesh->topology()->cell_type()),
-                           V->element()->basix_element().degree(), mesh->geometry().cmap().degree(),
-                           material.hypothesis};
-    for (const impact_kernel* kernel : kernels::find(key))
-      out.push_back({kernel, cells, kernels::constants(*kernel, material.constants)});
-    return out;
-  };
-  const auto tangents = integrals(".tangent");
-  _linear = std::ranges::none_of(tangents, [](const auto& t) { return reads_displacement(*t.kernel); });
-  _force = std::make_unique<operators::InternalForce>(
-      mesh, V, integrals(".force"), std::map<std::string, std::shared_ptr<const operators::Function>>{{"u", _u}});
-  std::map<std::string, std::shared_ptr<const operators::Function>> read;
-  if (!_linear)
-    read["u"] = _u;
-  _tangent = std::make_unique<operators::Tangent>(std::array{V, V}, tangents, read);
-  _loads.assign(_values.array().size(), 0.0);
-  _residual = dolfinx::la::petsc::create_vector_wrap(_values);
+    first.push_back(forces.size());
+    for (operators::Integral& integral : integrals(*V, m.material, ".force", m.cells))
+      forces.push_back(std::move(integral));
+  }
+  auto force = std::make_shared<operators::InternalForce>(V->mesh(), V, forces, read);
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    for (operators::Integral& integral : integrals(*V, materials[i].material, ".tangent", materials[i].cells))
+    {
+      integral.history = force->history(first[i]); // laws have one integral
+      inelastic = inelastic || integral.history;
+      linear = linear && !reads_displacement(*integral.kernel);
+      tangents.push_back(std::move(integral));
+    }
+  auto tangent = std::make_shared<operators::KernelTangent>(std::array{V, V}, tangents, read, loads.tangent);
+  BodyKernels kernels{.force = force};
+  std::vector<operators::Integral> energies;
+  kernels.energy_is_known = !loads.residual;
+  for (std::size_t i = 0; i < materials.size() && kernels.energy_is_known; ++i)
+    if (!force->history(first[i])) // others sum their elastic energy up with their force
+      try
+      {
+        std::ranges::move(integrals(*V, materials[i].material, ".energy", materials[i].cells),
+                          std::back_inserter(energies));
+      }
+      catch (const std::runtime_error&)
+      {
+        kernels.energy_is_known = false; // no such kernel
+      }
+  if (!energies.empty())
+    kernels.energy = std::make_shared<operators::InternalForce>(V->mesh(), nullptr, energies, read);
+  // Kinematic hardening with recovery and finite strain make tangents of plastic flow unsymmetric.
+  const solve::BodyProperties properties{.linear = linear && !inelastic,
+                                         .keeps_tangent = linear && !inelastic,
+                                         .symmetric = !inelastic,
+                                         .inelastic = inelastic,
+                                         .has_springs = loads.has_springs,
+                                         .rounds_positions = true};
+  return {std::move(u), loads.residual, std::move(tangent), properties, std::move(kernels)};
 }
 
-KernelBody::~KernelBody()
+KernelBody::KernelBody(Made made)
+    : AssembledBody(std::move(made.u), std::move(made.residual), std::move(made.tangent), made.properties,
+                    std::move(made.kernels))
 {
-  VecDestroy(&_residual);
 }
 
-Vec KernelBody::residual()
+KernelBody::KernelBody(std::shared_ptr<dolfinx::fem::Function<double>> u, const KernelMaterial& material)
+    : KernelBody(make(u, {{material, owned_cells(*u->function_space()->mesh())}}, {}))
 {
-  _u->x()->scatter_fwd();
-  _force->apply(_values);
-  operators::Entries values(_residual); // those of _values; PETSc is told that they change
-  for (std::size_t i = 0; i < values.size(); ++i)
-    values[i] -= _loads[i];
-  return _residual;
 }
 
-Mat KernelBody::tangent()
+KernelBody::KernelBody(std::shared_ptr<dolfinx::fem::Function<double>> u, const std::vector<MaterialCells>& materials,
+                       const Loads& loads)
+    : KernelBody(make(std::move(u), materials, loads))
 {
-  _u->x()->scatter_fwd();
-  _tangent->assemble();
-  return _tangent->matrix();
 }
 } // namespace dolfinx_impact::problems

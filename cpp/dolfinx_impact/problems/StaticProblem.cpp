@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "StaticProblem.h"
-#include "../enforcement/mortar/MortarContact.h"
-#include "../enforcement/mortar/shared_nodes.h"
 #include <algorithm>
 #include <stdexcept>
 
@@ -20,29 +18,12 @@ std::vector<std::int8_t> prescribed_dofs(const dolfinx::fem::FunctionSpace<doubl
 
 StaticProblem::StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<solve::Body> body,
                              BoundaryConditions bcs, std::vector<std::shared_ptr<enforcement::StaticContact>> contacts,
-                             const StaticOptions& options)
-    : _equilibrium(std::make_shared<solve::EquilibriumProblem>()), _bcs(std::move(bcs))
+                             const SolverOptions& options)
+    : _bcs(std::move(bcs))
 {
-  const auto V = u->function_space();
-  solve::EquilibriumProblem& p = *_equilibrium;
-  p.u = std::move(u);
-  p.body = std::move(body);
-  p.contacts = std::move(contacts);
-  p.fixed = prescribed_dofs(*V, _bcs);
-  p.axisymmetric = options.axisymmetric;
-  // Only multipliers with the dual basis can be condensed, and only one constraint at a node.
-  std::vector<enforcement::MortarContact*> multipliers;
-  for (const auto& contact : p.contacts)
-    if (auto* mortar = dynamic_cast<enforcement::MortarContact*>(contact.get()))
-      multipliers.push_back(mortar);
-  p.keeps_multipliers = enforcement::connect(multipliers) ||
-                        std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
-                                            { return contact->options().basis != gap::Multipliers::dual; });
-  p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, options.prefix, p.keeps_multipliers);
-  // The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
-  // converge with it: their product with the last guess is on the right-hand side then.
-  p.exact_tangent = p.linear_solver->direct();
-  for (const auto& contact : p.contacts)
+  std::vector<std::int8_t> fixed = prescribed_dofs(*u->function_space(), _bcs);
+  _equilibrium = make_equilibrium(std::move(u), std::move(body), std::move(contacts), std::move(fixed), options);
+  for (const auto& contact : _equilibrium->contacts)
     _obstacles.push_back(contact->displacement());
 }
 
@@ -94,6 +75,7 @@ state::State StaticProblem::state()
   const std::size_t bs = _equilibrium->space().dofmap()->index_map_bs();
   out.add("displacement", state::Place::node, state::View(u->mutable_array().subspan(0, _equilibrium->num_owned())),
           bs);
+  out.add(_equilibrium->body->state());
   for (std::size_t i = 0; i < _reached.size(); ++i)
     out.add("load " + std::to_string(i), state::Place::rank, _reached[i]);
   for (std::size_t i = 0; i < _equilibrium->contacts.size(); ++i)

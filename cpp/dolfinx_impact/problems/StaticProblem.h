@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../solve/EquilibriumProblem.h"
 #include "../solve/LoadSteps.h"
 #include "../solve/Newton.h"
+#include "make_equilibrium.h"
 #include <array>
 #include <dolfinx/fem/DirichletBC.h>
 #include <memory>
@@ -16,13 +16,6 @@ typedef std::vector<std::shared_ptr<const dolfinx::fem::DirichletBC<double>>> Bo
 
 /// Mask of the degrees of freedom that boundary conditions prescribe, owned and ghosts.
 std::vector<std::int8_t> prescribed_dofs(const dolfinx::fem::FunctionSpace<double>& V, const BoundaryConditions& bcs);
-
-struct StaticOptions
-{
-  solve::LinearSolver::Options petsc = {}; ///< PETSc options by name, without prefix
-  std::string prefix = "impact_static_";   ///< of options on the command line
-  bool axisymmetric = false;               ///< x is the radius
-};
 
 struct SolveOptions
 {
@@ -44,7 +37,7 @@ public:
   /// @throws std::invalid_argument for contacts that cannot share nodes, or options that PETSc does not take
   StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<solve::Body> body,
                 BoundaryConditions bcs, std::vector<std::shared_ptr<enforcement::StaticContact>> contacts = {},
-                const StaticOptions& options = {});
+                const SolverOptions& options = {.prefix = "impact_static_"});
 
   /// Solve for the present values of boundary conditions, loads and obstacles, in steps from those of the last solve.
   /// Collective.
@@ -57,8 +50,8 @@ public:
   /// Displacement of a contact's rigid master that the next solve leads to [L].
   /// @throws std::invalid_argument if its master is deformable
   void move_obstacle(std::size_t contact, const std::array<double, 3>& displacement);
-  /// Displacements, state of the contacts, and loads as reached: copied, the problem can be brought back to it. Of
-  /// displacements it has the owned ones; `solve` updates ghosts.
+  /// Displacements, state of bodies and contacts, and loads as reached: copied, the problem can be brought back to it.
+  /// Of displacements it has the owned ones; `solve` updates ghosts.
   state::State state();
   const solve::EquilibriumProblem& equilibrium() const { return *_equilibrium; }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../state/State.h"
+#include <optional>
 #include <petscmat.h>
 #include <petscvec.h>
 #include <span>
@@ -7,6 +9,13 @@
 
 namespace dolfinx_impact::solve
 {
+/// What is known of bodies; see Body.
+struct BodyProperties
+{
+  bool linear = false, keeps_tangent = false, symmetric = true, inelastic = false, has_inertia = false,
+       has_springs = false, rounds_positions = false;
+};
+
 /// The bodies of a problem: residual of internal, external and inertia forces, and its derivative. Contact forces are
 /// not in it. All calls are collective but those of properties.
 class Body
@@ -23,9 +32,16 @@ public:
   virtual std::string fault() { return ""; }
   /// Take the state of the last residual as the one that the next step begins from.
   virtual void accept_step() {}
+  /// Internal variables that the next step begins from, as views: copied, the bodies can be brought back to them.
+  virtual state::State state() { return state::State("bodies"); }
+  /// Energy stored in the bodies and their foundations at the last residual, of all ranks; nothing: it is not known
+  /// [F L].
+  virtual std::optional<double> stored_energy() { return {}; }
 
-  /// Whether the tangent does not change with the displacement.
+  /// Whether the tangent does not change with the displacement, so that one serves an increment.
   virtual bool linear() const { return false; }
+  /// Whether it does not change with time either, so that one serves all steps.
+  virtual bool keeps_tangent() const { return linear(); }
   virtual bool symmetric() const { return true; }
   /// Whether there are internal variables: tangents of two iterations may be far apart.
   virtual bool inelastic() const { return false; }

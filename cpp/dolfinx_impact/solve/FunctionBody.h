@@ -15,17 +15,13 @@ public:
   {
     std::function<Vec()> residual;
     std::function<Mat()> tangent;
-    std::function<std::string()> fault;          ///< may be empty
-    std::function<void()> accept_step;           ///< may be empty
-    std::function<std::vector<double>()> origin; ///< may be empty
+    std::function<std::string()> fault;                   ///< may be empty
+    std::function<void()> accept_step;                    ///< may be empty
+    std::function<std::vector<double>()> origin;          ///< may be empty
+    std::function<std::optional<double>()> stored_energy; ///< may be empty
   };
-  struct Properties
-  {
-    bool linear = false, symmetric = true, inelastic = false, has_inertia = false, has_springs = false,
-         rounds_positions = false;
-  };
-
-  FunctionBody(Functions functions, Properties properties) : _functions(std::move(functions)), _properties(properties)
+  FunctionBody(Functions functions, BodyProperties properties)
+      : _functions(std::move(functions)), _properties(properties)
   {
   }
 
@@ -37,7 +33,12 @@ public:
     if (_functions.accept_step)
       _functions.accept_step();
   }
+  std::optional<double> stored_energy() override
+  {
+    return _functions.stored_energy ? _functions.stored_energy() : std::nullopt;
+  }
   bool linear() const override { return _properties.linear; }
+  bool keeps_tangent() const override { return _properties.keeps_tangent; }
   bool symmetric() const override { return _properties.symmetric; }
   bool inelastic() const override { return _properties.inelastic; }
   bool has_inertia() const override { return _properties.has_inertia; }
@@ -52,7 +53,7 @@ public:
 
 private:
   Functions _functions;
-  Properties _properties;
+  BodyProperties _properties;
   mutable std::vector<double> _origin;
 };
 } // namespace dolfinx_impact::solve

@@ -21,4 +21,9 @@ SymmetricEigen symmetric_eigen(std::vector<double> A, int n);
 /// @param[in] b right side, n entries
 /// @returns the solution; nothing if the matrix is singular
 std::optional<std::vector<double>> solve_dense(std::vector<double> A, std::vector<double> b);
+
+/// Largest absolute eigenvalue of a small dense matrix, by LAPACK.
+/// @param[in] A entries [i*n + j]
+/// @throws std::runtime_error if LAPACK fails
+double spectral_radius(std::vector<double> A, int n);
 } // namespace dolfinx_impact::solve

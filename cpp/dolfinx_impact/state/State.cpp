@@ -28,6 +28,24 @@ const char* type_name(const View& values)
   static constexpr const char* names[] = {"float64", "int8", "int32", "int64"};
   return names[values.index()];
 }
+
+/// All by which two fields may differ but their values.
+std::string description(const Field& f)
+{
+  return f.name + " (" + to_string(f.place) + ", " + type_name(f.values) + ", " + std::to_string(f.rows()) + " x " +
+         std::to_string(f.columns) + ")";
+}
+
+void assign_field(const Field& to, const Field& from)
+{
+  std::visit(
+      [&](auto values)
+      {
+        const auto others = std::get<decltype(values)>(from.values);
+        std::copy(others.begin(), others.end(), values.begin());
+      },
+      to.values);
+}
 } // namespace
 
 std::string to_string(Place place)
@@ -73,6 +91,27 @@ State& State::add(State part)
   return *this;
 }
 
+State& State::at(Place place, std::vector<std::int64_t> numbers)
+{
+  std::erase_if(_numbers, [place](const auto& known) { return known.first == place; });
+  _numbers.emplace_back(place, std::move(numbers));
+  return *this;
+}
+
+State& State::rename(std::string name)
+{
+  _name = std::move(name);
+  return *this;
+}
+
+const std::vector<std::int64_t>* State::numbers(Place place) const
+{
+  for (const auto& [known, numbers] : _numbers)
+    if (known == place)
+      return &numbers;
+  return nullptr;
+}
+
 const Field& State::field(const std::string& name) const
 {
   const auto at = std::ranges::find(_fields, name, &Field::name);
@@ -91,19 +130,37 @@ const State& State::part(const std::string& name) const
   return *at;
 }
 
+void State::add_copy(const Field& field)
+{
+  std::visit(
+      [&](auto span)
+      {
+        typedef typename decltype(span)::value_type T;
+        add_own(field.name, field.place, std::vector<T>(span.begin(), span.end()), field.columns);
+      },
+      field.values);
+}
+
+State State::copy_of(std::span<const std::string> names) const
+{
+  State out(_name);
+  out._numbers = _numbers;
+  return out.add_copies(*this, names);
+}
+
+State& State::add_copies(const State& other, std::span<const std::string> names)
+{
+  for (const std::string& name : names)
+    add_copy(other.field(name));
+  return *this;
+}
+
 State State::copy() const
 {
   State out(_name);
+  out._numbers = _numbers;
   for (const Field& field : _fields)
-    std::visit(
-        [&](auto span)
-        {
-          typedef std::remove_const_t<typename decltype(span)::value_type> T;
-          auto memory = std::make_shared<std::vector<T>>(span.begin(), span.end());
-          out._fields.push_back({field.name, field.place, field.columns, View(std::span<T>(*memory))});
-          out.keep(std::move(memory));
-        },
-        field.values);
+    out.add_copy(field);
   for (const State& part : _parts)
     out._parts.push_back(part.copy());
   return out;
@@ -118,14 +175,11 @@ std::string State::difference_of_structure(const State& other) const
   for (std::size_t i = 0; i < _fields.size(); ++i)
   {
     const Field &a = _fields[i], &b = other._fields[i];
-    const auto says = [](const Field& f)
-    {
-      return f.name + " (" + to_string(f.place) + ", " + type_name(f.values) + ", " + std::to_string(f.rows()) + " x " +
-             std::to_string(f.columns) + ")";
-    };
-    if (says(a) != says(b))
-      return "state " + _name + " has the field " + says(a) + ", the other one " + says(b);
+    if (description(a) != description(b))
+      return "state " + _name + " has the field " + description(a) + ", the other one " + description(b);
   }
+  if (_numbers != other._numbers)
+    return "state " + _name + " has rows of other nodes or facets than the other one";
   for (std::size_t i = 0; i < _parts.size(); ++i)
   {
     if (_parts[i]._name != other._parts[i]._name)
@@ -156,16 +210,25 @@ void State::assign(const State& other)
   assign_values(other);
 }
 
+void State::assign_common(const State& other)
+{
+  std::vector<std::pair<const Field*, const Field*>> common;
+  for (const Field& mine : _fields)
+    if (const auto at = std::ranges::find(other._fields, mine.name, &Field::name); at != other._fields.end())
+    {
+      if (description(mine) != description(*at))
+        throw std::invalid_argument("state " + _name + " has the field " + description(mine) + ", the other one " +
+                                    description(*at));
+      common.emplace_back(&mine, &*at);
+    }
+  for (const auto& [to, from] : common)
+    assign_field(*to, *from);
+}
+
 void State::assign_values(const State& other)
 {
   for (std::size_t i = 0; i < _fields.size(); ++i)
-    std::visit(
-        [&](auto to)
-        {
-          const auto from = std::get<decltype(to)>(other._fields[i].values);
-          std::copy(from.begin(), from.end(), to.begin());
-        },
-        _fields[i].values);
+    assign_field(_fields[i], other._fields[i]);
   for (std::size_t i = 0; i < _parts.size(); ++i)
     _parts[i].assign_values(other._parts[i]);
 }

@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: MIT
 """Matrices of a bilinear form cell by cell, and what can be told from them."""
 
-import hashlib
-import math
 from collections.abc import Collection, Iterator
 from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem, la
-from mpi4py import MPI
+from dolfinx import fem
 
 from .. import _cpp
-from ..common.types import AnyArray, BoolArray, FloatArray, IntArray
+from ..common.types import BoolArray, FloatArray, IntArray
 from . import operators
-from .averaged_form import DIRECTION, compile_columns, split_averages
+from ..forms.consistent_tangent import DIRECTION
+from .averaged_form import compile_columns, split_averages
 from .jit import compile_form
 
 
@@ -37,6 +35,9 @@ class CellMatrices:
         u: displacement function.
         form: UFL form of rank 2 over dx, ds and dS.
         without: functions whose changes are ignored by `changed`.
+
+    Attributes:
+        bounds: their eigenvalues over the cells' masses (C++); it has the constants of the last `update`.
     """
 
     def __init__(self, u: fem.Function, form: ufl.Form, without: Collection[fem.Function | None]) -> None:
@@ -49,9 +50,13 @@ class CellMatrices:
         self._tags = {kind: next((t for t in tags if t is not None), None) for kind, tags in data.items()}
         constants = [c for compiled in self._compiled for c in compiled.constants]
         self._inputs = operators.Inputs(constants, [f for c in self._compiled for f in c.coefficients], without)
-        self._varying = _with_functions(form)
-        # Of integrals without functions, beside others: what the result followed from, without its arrays, and it.
-        self._kept: dict[int, tuple[bytes, FloatArray]] = {}
+        varying = _with_functions(form)
+        parts = []
+        for kernel, functions, entities, constants in self._integrals():
+            varies = any((kernel.integral_type, tag) in varying for tag in (-1, *kernel.subdomains))
+            integral = _cpp.operators.Integral(kernel.address, entities, constants)
+            parts.append((integral, {name: f._cpp_object for name, f in functions.items()}, varies))
+        self.bounds = _cpp.operators.CellBounds(u.function_space._cpp_object, parts)
 
     def changed(self) -> bool:
         """Compare constants and coefficients with those of `store_inputs`.
@@ -68,11 +73,24 @@ class CellMatrices:
     def store_inputs(self) -> None:
         """Store the present constants and coefficients, which `changed` compares with. Collective."""
         self._inputs.store()
+        self.update()
+
+    def update(self) -> None:
+        """Give `bounds` the present constants and the ghosts of coefficients. Collective."""
+        number = 0
+        for compiled in self._compiled:
+            for f in compiled.coefficients:
+                f.x.scatter_forward()
+            for kernel in compiled.kernels:
+                constants = operators._constants(compiled, kernel)
+                for _ in kernel.subdomains:
+                    self.bounds.set_constants(number, constants)
+                    number += 1
 
     @property
     def joins_cells(self) -> bool:
         """Whether there are integrals over facets between cells."""
-        return any(k.integral_type == "interior_facet" for c in self._compiled for k in c.kernels)
+        return bool(self.bounds.joins_cells)
 
     def _integrals(self) -> Iterator[tuple[Any, dict[str, fem.Function], IntArray, FloatArray]]:
         """Kernel (C++), functions by name, entities and constants of each integral. Collective."""
@@ -102,66 +120,9 @@ class CellMatrices:
         Raises:
             ValueError: a matrix has entries that are not finite; on all ranks.
         """
-        V, failed = self.space, False
-        joins = facets and self.joins_cells
-        if joins:  # with the cells of other ranks, which facets of this rank may touch
-            masses, only = self._with_ghosts(masses), None if only is None else self._with_ghosts(only) > 0.0
-        out = np.zeros((len(masses), 3))
-        for number, (kernel, functions, entities, constants) in enumerate(self._integrals()):
-            if not facets and kernel.integral_type != "cell":
-                continue
-            rows, cells = operators.entity_rows(entities, kernel.integral_type)
-            if only is not None:
-                chosen = np.any(only[cells], axis=1)
-                cells, entities = cells[chosen], np.ascontiguousarray(rows[chosen].ravel())
-            given = np.ascontiguousarray(masses[cells]).ravel()
-            # Linear materials keep their stiffness: most cells of a model with a few that deform a lot.
-            same = (
-                only is None
-                and bool(self._varying)
-                and not any((kernel.integral_type, tag) in self._varying for tag in (-1, *kernel.subdomains))
-            )
-            digest = hashlib.blake2b(np.concatenate([np.ravel(constants), given])).digest() if same else b""
-            before = self._kept.get(number)
-            if before and before[0] == digest:
-                np.add.at(out, cells, before[1][:, None])
-                continue
-            integral = _cpp.operators.Integral(kernel.address, entities, constants)
-            coefficients = {name: f._cpp_object for name, f in functions.items()}
-            try:
-                found = _cpp.operators.cell_spectra(integral, V._cpp_object, coefficients, given).reshape(-1, 3)
-            except RuntimeError:
-                failed = True
-                continue
-            np.add.at(out, cells, found[:, None])
-            if same:
-                self._kept[number] = digest, found
-        out = self._sum_at_owners(out) if joins else out
-        if V.mesh.comm.allreduce(bool(failed or not np.all(np.isfinite(out))), MPI.LOR):
-            raise ValueError("the stiffness of a cell is not a number: check the material, the mesh and the state")
-        return out
-
-    @property
-    def _cells(self) -> Any:
-        """Index map of the cells."""
-        topology = self.space.mesh.topology
-        return topology.index_map(topology.dim)
-
-    def _with_ghosts(self, values: AnyArray) -> FloatArray:
-        """Values of owned cells and of the ghosts behind them. Collective."""
-        values = np.asarray(values, dtype=np.float64)
-        columns = math.prod(values.shape[1:])
-        vector = la.vector(self._cells, columns)
-        vector.array[: values.size] = values.ravel()
-        vector.scatter_forward()
-        return vector.array.reshape(-1, *values.shape[1:]).copy()
-
-    def _sum_at_owners(self, values: FloatArray) -> FloatArray:
-        """Values of owned cells, with what other ranks have for them. Collective."""
-        vector = la.vector(self._cells, values.shape[1])
-        vector.array[:] = values.ravel()
-        vector.scatter_reverse(la.InsertMode.add)
-        return vector.array.reshape(values.shape)[: self._cells.size_local].copy()
+        self.update()
+        found: FloatArray = self.bounds.spectra(np.ascontiguousarray(masses).ravel(), only, facets)
+        return found
 
     def resistance(self, direction: FloatArray, count: int) -> FloatArray:
         """Relative resistance of cells against a translation, zero for cells that are free to translate.

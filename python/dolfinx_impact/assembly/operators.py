@@ -13,13 +13,12 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from .averaged_form import AveragedForm, split_averages
+from .averaged_form import compile_columns, split_averages
 from .ffcx_form import ffcx_form
 from .interior_facets import interior_facets
 from ..common.described import Described
 from .. import _cpp
 from ..common import arguments
-from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import comm_of, guard, same
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..forms import elasticity, quadrature
@@ -226,20 +225,7 @@ class _Operator:
         Returns:
             A sentence with their number, and cell, point, residual and unknowns of the first; "" if all were solved.
         """
-        count, cell, point, residual, unknowns = self._cpp_object.failures()
-        topology = self.mesh.topology
-        if count > 0:
-            cell = int(input_cell_numbers(topology)[cell])
-        found = self.mesh.comm.allgather((count, cell, point, residual, unknowns))
-        total = sum(f[0] for f in found)
-        if total == 0:
-            return ""
-        _, cell, point, residual, unknowns = next(f for f in found if f[0] > 0)
-        values = ", ".join(f"{x:.6g}" for x in unknowns)
-        return (
-            f"the local equations of the material were not solved at {total} points; the first is point {point} of "
-            f"cell {cell} (number in the mesh's input): residual {residual:.3g} of its scale, unknowns {values}"
-        )
+        return self._cpp_object.fault()
 
     def _update(self) -> None:
         """Update the ghosts of coefficients, and the constants. Collective."""
@@ -480,7 +466,7 @@ class Energy(_Operator):
 
 
 class Tangent:
-    """Matrix of a bilinear form in a PETSc matrix that is created once, with the kernels and assembly of DOLFINx.
+    """Matrix of a bilinear form in a PETSc matrix that is created once, with FFCx's kernels.
 
     Integrals over cells with averages, ufl.cell_avg, which FFCx does not know, have kernels of our own.
 
@@ -495,8 +481,6 @@ class Tangent:
     """
 
     def __init__(self, form: ufl.Form, bcs: DirichletBC | Sequence[DirichletBC] = ()) -> None:
-        import dolfinx.fem.petsc as petsc
-
         with guard(comm_of(form, bcs), "Tangent") as ranks:
             if not isinstance(form, ufl.Form):
                 raise TypeError(f"Tangent takes a UFL form of rank 2, found {type(form).__name__}")
@@ -506,19 +490,28 @@ class Tangent:
             for bc in self.bcs:
                 arguments.boundary_values("bcs", bc, form.arguments()[0].ufl_function_space())
             ranks.same(form=form, bcs=[arguments.value_of(bc) for bc in self.bcs])
-        self._petsc = petsc
         plain, averaged = split_averages(form)
-        self._averaged = None if averaged is None else AveragedForm(averaged)
+        test, trial = (a.ufl_function_space() for a in sorted(form.arguments(), key=lambda a: a.number()))
         self._mesh = form.ufl_domain().ufl_cargo()
         self.form = None if plain is None else ffcx_form(plain)
-        pattern = self.form
-        if pattern is None or self._averaged is not None:  # places for all cells
-            v, du = form.arguments()
-            pattern = ffcx_form(ufl.inner(du, v) * ufl.dx(degree=0))
-        self.matrix = petsc.create_matrix(pattern)
-        if self._averaged is not None:  # PETSc forgets places that nothing is put in before it is assembled
-            petsc.assemble_matrix(self.matrix, pattern)  # type: ignore[arg-type]
-            self.matrix.assemble()
+        self._averaged = None if averaged is None else compile_columns(averaged, test)
+        integrals, functions = [], {}
+        self._kernels = []
+        if self._averaged is not None:
+            tags = next((t for t in next(iter(form.subdomain_data().values())).get("cell", []) if t is not None), None)
+            functions = {c["name"]: self._averaged.coefficients[c["position"]]
+                         for kernel in self._averaged.kernels for c in kernel.coefficients}  # fmt: skip
+            for kernel in self._averaged.kernels:
+                for subdomain in kernel.subdomains:
+                    cells = np.ascontiguousarray(entities_of(self._mesh, "cell", subdomain, tags))
+                    integrals.append(_cpp.operators.Integral(kernel.address, cells, _constants(self._averaged, kernel)))
+                    self._kernels.append(kernel)
+        self._functions = list(functions.values())
+        self._cpp_object = _cpp.operators.KernelTangent(
+            test._cpp_object, trial._cpp_object, integrals, {name: f._cpp_object for name, f in functions.items()},
+            None if self.form is None else self.form._cpp_object,
+        )  # fmt: skip
+        self.matrix: PETSc.Mat = self._cpp_object.matrix
 
     def __repr__(self) -> str:
         rows, columns = self.matrix.getSize()
@@ -531,13 +524,12 @@ class Tangent:
             The matrix of this object; the next call overwrites it.
         """
         same(self._mesh.comm, "Tangent.assemble")
-        self.matrix.zeroEntries()
-        if self.form is not None:
-            # DOLFINx annotates the overload that makes a new matrix.
-            self._petsc.assemble_matrix(self.matrix, self.form, bcs=self.bcs)  # type: ignore[misc, arg-type]
-        self.matrix.assemble()
-        if self._averaged is not None:
-            self._averaged.add_to(self.matrix, self.bcs)
+        for f in self._functions:
+            f.x.scatter_forward()
+        for i, kernel in enumerate(self._kernels):
+            assert self._averaged is not None
+            self._cpp_object.set_constants(i, _constants(self._averaged, kernel))
+        self._cpp_object.assemble([bc._cpp_object for bc in self.bcs])
         return self.matrix
 
 

@@ -184,7 +184,7 @@ def own_row(setup: bench.Setup, label: str, package: ExplicitProblem, steps: int
     """
     u = fem.Function(setup.V, name="u")
     own = ExplicitProblem(u, residual=own_form(u), density=1.0, velocity=initial_velocity(setup.V))
-    for part in own._internal._parts:
+    for part in own._bodies.internal._parts:
         if part.compiled.source == "package":
             raise RuntimeError("the residual of one's own was found in the package: nothing is compared")
     times = [(step_seconds(own, steps, 1)[0], step_seconds(package, steps, 1)[0]) for _ in range(3)]
@@ -245,10 +245,10 @@ def contact_seconds(problem: ExplicitProblem, steps: int) -> tuple[float, float]
     Returns:
         Time of contact and of the whole step [s].
     """
-    first, begin, spent = problem.step, time.perf_counter(), problem._cpp_object.contact_seconds
+    first, begin, spent = problem.step, time.perf_counter(), problem._cpp_object.integrator.contact_seconds
     problem.advance(problem.time + steps * 0.9 * problem._stepper.safe_step, progress=False)
     count = problem.step - first
-    return (problem._cpp_object.contact_seconds - spent) / count, (time.perf_counter() - begin) / count
+    return (problem._cpp_object.integrator.contact_seconds - spent) / count, (time.perf_counter() - begin) / count
 
 
 def contact_rows(
@@ -432,11 +432,11 @@ def _rate(n: int, steps: int = 60, rounds: int = 3) -> dict[str, float]:
     cells = comm.allreduce(setup.num_cells, MPI.SUM) / comm.size
     for _ in range(rounds + 1):
         comm.Barrier()
-        begin, first, sent = time.perf_counter(), problem.step, np.array(problem._cpp_object.traffic)
+        begin, first, sent = time.perf_counter(), problem.step, np.array(problem._cpp_object.integrator.traffic)
         problem.advance(problem.time + steps * 0.9 * problem._stepper.safe_step, progress=False)
         comm.Barrier()
         rates.append(cells * (problem.step - first) / (time.perf_counter() - begin) * 1e-6)
-        sent = (np.array(problem._cpp_object.traffic) - sent) / (problem.step - first)
+        sent = (np.array(problem._cpp_object.integrator.traffic) - sent) / (problem.step - first)
     messages, values = comm.allreduce(sent[0], MPI.MAX), comm.allreduce(sent[1], MPI.MAX)
     return {"rate": float(np.median(rates[1:])), "cells": cells, "messages": messages, "values": values}
 

@@ -330,7 +330,7 @@ def own_row(n: int = 40) -> list[Row]:
     """
     package, own = Body(n, j2(YIELDING)), Body(n, OwnJ2(YIELDING))
     for body, packaged in ((package, True), (own, False)):
-        if any((part.compiled.source == "package") != packaged for part in body.problem._internal._parts):
+        if any((part.compiled.source == "package") != packaged for part in body.problem._bodies.internal._parts):
             raise RuntimeError(
                 "the law of one's own was found in the package, or J2Plasticity was not: nothing is compared"
             )

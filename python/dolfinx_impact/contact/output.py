@@ -208,28 +208,6 @@ class ContactOutput:
         status, covered = np.asarray(self.status, dtype=np.int8), np.asarray(self.covered(), dtype=float)
         self._totals.update(self.comm, *rows, status, self.weight, covered)
 
-    def save_totals(self) -> dict[str, FloatArray]:
-        """Totals of `update_totals` for a checkpoint.
-
-        Returns:
-            Vectors by name; not a number where there are none yet.
-        """
-        unknown = np.full(self.gdim, np.nan), np.full(1 if self.gdim == 2 else 3, np.nan)
-        force, moment = (f if v is None else v for v, f in zip((self.force, self.moment), unknown))
-        return {"force": force, "moment": moment, "area": np.array([self.area, self.dissipated])}
-
-    def restore_totals(self, totals: dict[str, FloatArray]) -> None:
-        """Restore totals from a checkpoint.
-
-        Args:
-            totals: as save_totals returned them.
-        """
-        self._totals.known = not np.any(np.isnan(totals["force"]))
-        if self._totals.known:
-            self.force, self.moment = totals["force"], totals["moment"]
-        self.area, self.dissipated = (float(value) for value in totals["area"])
-        self._totals.slip = np.ravel(self.slip)
-
     def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
         """Values of the contact points by nodes. Collective.
 

@@ -76,7 +76,7 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     mass: la.Vector
     material: Material | None
-    _cpp_object: _cpp.integrators.CentralDifference
+    _cpp_object: _cpp.problems.ExplicitProblem
 
     @property
     def time(self) -> float:
@@ -179,6 +179,19 @@ class StaticContact(Protocol):
 
         Returns:
             A sentence, or an empty text.
+        """
+
+    # --- checkpoints -------------------------------------------------------------------------------------------------
+
+    def saved_state(self) -> _cpp.state.State:
+        """What a checkpoint holds of the last converged state, values of its own."""
+
+    def resume(self, saved: _cpp.state.State, u: FloatArray) -> None:
+        """Continue from what `saved_state` has returned, on these ranks or others. Collective.
+
+        Args:
+            saved: the state.
+            u: displacements of the checkpoint, owned and ghost dofs [L].
         """
 
     # --- Newton iterations -------------------------------------------------------------------------------------------
@@ -433,37 +446,30 @@ class ExplicitContact(Protocol):
             One contact, or for balanced contact one per direction.
         """
 
-    def saved_force(self, side: int) -> FloatArray:
-        """Force of the last step for a checkpoint, (gdim) [F].
+    def saved_states(self) -> list[_cpp.state.State]:
+        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
+
+    def resume(self, saved: list[_cpp.state.State]) -> None:
+        """Go on from what `saved_states` has returned, on these ranks or others.
 
         Args:
-            side: number of the side in `sides`.
+            saved: the states.
         """
-
-    def restore_force(self, force: FloatArray) -> None:
-        """Set the force of the last step from a checkpoint.
-
-        Args:
-            force: as `saved_force` returned it with the first side [F].
-        """
-
-    def reset_history(self) -> None:
-        """Reset friction and energies; all nodes become open."""
 
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""
 
-    def save_results(self) -> tuple[FloatArray, FloatArray]:
+    def results_state(self) -> tuple[_cpp.state.State, _cpp.state.State]:
         """Results for a checkpoint.
 
         Returns:
-            Rows by node, and totals.
+            Results by node, and totals.
         """
 
-    def restore_results(self, rows: FloatArray, totals: FloatArray) -> None:
-        """Restore results from a checkpoint.
+    def resume_results(self, rows: _cpp.state.State, totals: _cpp.state.State) -> None:
+        """Set results from a checkpoint.
 
         Args:
-            rows: rows by node, as save_results returned them.
-            totals: totals, as save_results returned them.
+            rows: results by node, as results_state returned them.
+            totals: totals, as results_state returned them.
         """

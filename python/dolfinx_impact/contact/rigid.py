@@ -63,11 +63,15 @@ class _Rigid(Fixed):
         return f"center={self._point.tolist()}, radius={self._radius}"
 
     def description(self) -> str:
-        """Shape, position and whether it moves, by which a checkpoint recognises the obstacle."""
+        """Shape, position and whether it moves, by which checkpoints of problems in time recognise the obstacle."""
+        motion = "with" if self.motion is not None else "without"
+        return f"{self.shape_description()} at {self.displacement.tolist()!r} {motion} motion"
+
+    def shape_description(self) -> str:
+        """Shape, by which checkpoints of static problems recognise the obstacle."""
         numbers: list[Any] = [np.asarray(v).tolist() for v in (self._point, self._direction, self._radius)]
         numbers += [self._checksum] if self._checksum else []
-        motion = "with" if self.motion is not None else "without"
-        return f"rigid {self._kind} {numbers!r} at {self.displacement.tolist()!r} {motion} motion"
+        return f"rigid {self._kind} {numbers!r}"
 
     def same_on_all_ranks(self) -> list[Any]:
         """Values that collective.describe compares between ranks.

@@ -77,9 +77,26 @@ class StaticContactView(ContactOutput):
         """
         return str(self._cpp_object.passed_through())
 
+    def saved_state(self) -> _cpp.state.State:
+        """What a checkpoint holds of the last converged state, values of its own."""
+        return self._cpp_object.saved_state()
+
+    def resume(self, saved: _cpp.state.State, u: FloatArray) -> None:
+        """Continue from what `saved_state` has returned, on these ranks or others. Collective.
+
+        Args:
+            saved: the state.
+            u: displacements of the checkpoint, owned and ghost dofs [L].
+        """
+        self._cpp_object.resume(saved, np.ascontiguousarray(u))
+
     def forget(self) -> None:
         """Forget candidates and the places of the tangent; see ContactOutput."""
         self._cpp_object.forget()
+
+    def stored_energy(self) -> float:
+        """Energy of the springs of a penalty, of all ranks; zero with multipliers [F L]. Collective."""
+        return float(self._cpp_object.stored_energy())
 
     # --- Newton iterations -------------------------------------------------------------------------------------------
 

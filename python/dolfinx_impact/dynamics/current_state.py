@@ -16,10 +16,10 @@ from .run_history import ENERGIES, RunHistory, total_energy
 
 
 class CurrentState:
-    """Copies the state of the C++ integrator into DOLFINx functions and results.
+    """Functions, results and energies of the present time of a C++ problem.
 
     Args:
-        integrator: C++ CentralDifference.
+        problem: C++ ExplicitProblem.
         displacement: function that receives the displacement [L].
         velocity: function that receives the velocity [L/T].
         acceleration: function that receives the acceleration [L/T^2].
@@ -34,7 +34,7 @@ class CurrentState:
 
     def __init__(
         self,
-        integrator: _cpp.integrators.CentralDifference,
+        problem: _cpp.problems.ExplicitProblem,
         displacement: fem.Function,
         velocity: fem.Function,
         acceleration: fem.Function,
@@ -43,29 +43,18 @@ class CurrentState:
         share: PenetrationShare,
         read: ReadOnce,
     ) -> None:
-        self.integrator, self.contacts, self.history, self.share, self.read = integrator, contacts, history, share, read
+        self._cpp_object, self.integrator = problem, problem.integrator
+        self.contacts, self.history, self.share, self.read = contacts, history, share, read
         self.functions = (displacement, velocity, acceleration)
         V = displacement.function_space
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.energy: dict[str, float] = {}
         self._shown: tuple[FloatArray, ...] = ()  # what the functions were set to last
 
-    def motion(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Motion at the present time.
-
-        Returns:
-            Displacement [L], velocity [L/T] and acceleration [L/T^2], each (num_owned) over owned degrees of freedom.
-        """
-        v, a = np.empty(self.num_owned), np.empty(self.num_owned)
-        self.integrator.motion(v, a)
-        return self.integrator.displacement(), v, a
-
     def update_functions(self) -> None:
         """Set the functions to their values at the present time, ghosts included. Collective."""
-        self._shown = self.motion()
-        for f, values in zip(self.functions, self._shown):
-            f.x.array[: self.num_owned] = values
-            f.x.scatter_forward()
+        self._cpp_object.update_motion()
+        self._shown = tuple(f.x.array[: self.num_owned].copy() for f in self.functions)
 
     def check_not_written(self) -> None:
         """Refuse that others have written to displacement or velocity since the last update, on this rank, and take it

@@ -15,7 +15,7 @@ from ..common.types import FloatArray
 # Gain relative to the energies so far at which a run warns and at which it stops. A correct run with contact gains less
 # than 0.01.
 LIMITS = (0.1, 0.5)
-STRAIN = 0.1  # that bodies may have at the start, of which a residual does not tell what they store
+STRAIN: float = _cpp.problems.start_strain  # that bodies may have at the start, a residual does not tell their energy
 
 # Kinetic energy over all energy put in, beyond which a run grows.
 GROWTH: float = _cpp.integrators.largest_growth
@@ -54,11 +54,7 @@ def released_message(released: float, limit: float, go_on: str) -> str:
     Returns:
         What was found and what to do.
     """
-    return (
-        f"the residual has given the body an energy of {released:.3g}, and it moves ever faster; strained by "
-        f"{100 * STRAIN:.0f} % in all cells it would store {limit:.3g}. Does a term of the residual have the wrong "
-        f"sign? Loads that are part of it belong into loads=. {go_on}"
-    )
+    return str(_cpp.problems.released_message(released, limit, go_on))
 
 
 def checked(limits: Iterable[float] | None) -> tuple[float, float]:
@@ -82,19 +78,3 @@ def checked(limits: Iterable[float] | None) -> tuple[float, float]:
     if not 0.0 < warn <= stop:
         raise ValueError(f"energy_limits is {limits!r}: the first must be positive, the second no smaller")
     return warn, stop
-
-
-def message(gain: float) -> str:
-    """Text of a warning or error about gained energy.
-
-    Args:
-        gain: gained energy relative to the energies so far [1].
-
-    Returns:
-        What was found and what to do.
-    """
-    return (
-        f"it has gained energy without the work of loads or supports: {100 * gain:.3g} % of the energies so far. "
-        "Contact or the steps bring it in: take a smaller step, damping or bulk viscosity, or check that bodies do not "
-        "pass through each other; energy_limits=... of advance changes the limits."
-    )

@@ -3,64 +3,56 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
-from dolfinx import default_scalar_type, fem
+from dolfinx import fem
 from mpi4py import MPI
-from ufl.algorithms import expand_derivatives
 
 from .. import _cpp
-from ..assembly import operators, problem_arguments
-from ..assembly import lumped_mass as lumps
+from ..added_mass import AddedMass
 from ..amplitude import Amplitude, PrescribedMotion
-from ..common.collective import comm_of, guard, same
-from ..common.memory import free_garbage
-from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
-from ..common.units import Units
-from ..forms.compiler.frontend import check_kinds
-from ..contact.explicit.springs import stiffness
-from ..assembly.body_forms import body_forms, stiffness_damping
-from ..assembly.curvature import is_displacement
+from ..assembly import operators, problem_arguments
+from ..assembly.body_stress import BodyStress
+from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory, existing
 from ..assembly.history_field import HistoryField
 from ..assembly.interior_facets import check_neighbours, has_interior_facets
-from ..assembly.inelastic_part import InelasticParts
+from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
-from ..assembly.quadrature_degree import warn_of_degree
-from ..assembly.body_stress import BodyStress
-from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.softening import warn_of_softening
-from ..forms import viscosity
-from ..forms.quadrature import with_rules
-from ..added_mass import AddedMass, added_masses
-from ..foundation import Foundation, dashpot_form, spring_form
-from ..loads import DeadLoad, Load
-from ..common.arguments import number
-from ..materials import MaterialMap, Rayleigh, _Material
+from ..common.collective import comm_of, guard, same
+from ..common.memory import free_garbage
+from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
+from ..common.unique import Unique, claim
+from ..common.units import Units
+from ..contact.explicit.springs import stiffness
+from ..forms.compiler.frontend import check_kinds
+from ..foundation import Foundation
 from ..io.mesh_check import check_cells
-from ..assembly.measures import check_measures
-from ..assembly.residual import check_hypothesis, differentiable, split
+from ..loads import DeadLoad, Load
+from ..materials import MaterialMap, Rayleigh, _Material
+from ..recording.output_options import output_options
 from . import energy_gain, rolling_start, static_start
+from .advance_calls import AdvanceCalls
 from .current_state import CurrentState
+from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
+from .in_time import contact_in_time, prescribed_motion
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
-from ..recording.output_options import output_options
+from .read_once import ReadOnce
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
-from .stable_step_watch import StableStepWatch
-from .stable_step import METHODS, CellMasses, Frequencies, UniformDamping, cell_sizes, cell_steps, damped
+from .stable_step import METHODS, Frequencies, cell_sizes
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
-from .read_once import ReadOnce
-from .supports import Supports
 from .time_stepper import TimeStepper
-from ..common.unique import Unique, claim
 
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalResult
@@ -181,108 +173,54 @@ class ExplicitProblem(Unique):
         if material is not None:
             warn_of_locking(u, material)
             warn_of_softening(u, material)
-        v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
-        resisting = damping_tangent = laws_at_points = None
-        self._parts: InelasticParts | None = None
-        if residual is None:
-            assert material is not None  # checked above
-            hypothesis = material.hypothesis_on(mesh)
-            forms = body_forms(u, material)
-            internal, bounding, linear = forms.internal, forms.stiffness, forms.linear
-            laws_at_points, self._parts = forms.laws, forms.parts
-            parts, tags = [(t, m.mass_density(mesh)) for t, m in material.parts()], material.cell_tags
-            bodies: Any = material
-        else:
-            bodies = own
-            internal, resisting = split(residual, velocity)
-            linear, bounding = False, tangent
-            if tangent is None:  # by the rules of the residual: it is the change of this force that bounds the step
-                with differentiable():
-                    bounding = expand_derivatives(ufl.derivative(with_rules(internal), u, du))
-            if resisting is not None:
-                if scheme == "classical":
-                    raise ValueError(
-                        "the residual contains the velocity: scheme 'classical' takes mass-proportional damping only"
-                    )
-                damping_tangent = expand_derivatives(ufl.derivative(with_rules(resisting), velocity, du))
-            check_hypothesis(internal, u, hypothesis, tangent)
-            warn_of_degree(residual, u, hypothesis)
-            parts, tags = [(None, bodies.density_constant(mesh))], None
-        springs, dashpots = spring_form(loads, du, v, bodies), dashpot_form(loads, du, v, bodies)
-        if dashpots is not None and scheme == "classical":
-            raise ValueError(
-                "a Foundation has dashpots: scheme 'classical' takes mass-proportional damping only, its matrix must "
-                "be diagonal"
-            )
-        if springs is not None:
-            bounding = bounding + springs
-            check_measures(bounding)
-        if dashpots is not None:
-            damping_tangent = dashpots if damping_tangent is None else damping_tangent + dashpots
-            check_measures(damping_tangent)
-        self._bodies = bodies
-        self.axisymmetric = hypothesis == "axisymmetric"
-        self._frequencies = Frequencies(
-            u, bounding, lambda: lumps.cell_masses(V, parts, hypothesis or "3d", tags, lumping), damping_tangent,
-            velocity,
-        )  # fmt: skip
-        tangents = [t for t in (bounding, damping_tangent) if t is not None]
-        read = [c for t in tangents for c in t.coefficients()]
-        deforms, periodic = any(c is u for c in read), any(c is velocity for c in read)
+        self._bodies = bodies = ExplicitBodies(
+            u, velocity, material, residual, tangent, own, hypothesis, self.loads, scheme, lumping
+        )
+        self.axisymmetric = bodies.hypothesis == "axisymmetric"
+        self._frequencies = bodies.frequencies
+        self.prescribed = np.zeros(len(u.x.array), dtype=bool)
+        for bc in bcs:
+            self.prescribed[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
         if residual is not None:
-            held = np.zeros(len(u.x.array), dtype=bool)
-            for bc in bcs:
-                held[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
-            self._frequencies.check_signs(~held[: self.num_owned])
-        self.added_mass = 0.0 if mass_scaling is None else self._scale_mass(number("mass_scaling", mass_scaling, 0.0))
-        self.mass = lumps.assemble_masses(V, self._frequencies_masses(), lumping)
-        for added in added_masses(self.loads):
-            self.mass.array[:] += added.nodal(V, hypothesis or "3d")
+            bodies.check_signs(self.prescribed[: self.num_owned])
+        bodies.assemble_mass(mass_scaling)
+        self.mass, self.added_mass = bodies.mass, bodies.added_mass
         self.bulk_viscosity = self._check_viscosity(bulk_viscosity)
-        self._internal = operators.SplitForce(internal, u, law=laws_at_points)
-        self._cpp_object = _cpp.integrators.CentralDifference(
-            V._cpp_object, self._internal.forces(), linear, self.mass.array, self.damping.alpha,
-            getattr(_cpp.integrators.Scheme, scheme),
-        )  # fmt: skip
-        self._terms = [self._internal]
-        if resisting is None:
-            self.velocity = fem.Function(V, name="velocity")
-            self.velocity.x.array[:] = velocity.x.array
-        else:
-            self.velocity = velocity
-            self._term(resisting, _cpp.integrators.WorkKind.damping)
-        self.acceleration = fem.Function(V, name="acceleration")
-        self._add_damping(v)
-        self._add_foundations(v)
-        self._functions = FunctionsOfTime()
-        self._set_loads(self.loads, v)
-        supports = Supports(bcs, u, self._functions)
-        self.supports, self.prescribed = supports.parts, supports.mask
-        for dofs, values, column in self.supports:
-            self._cpp_object.prescribe(dofs.astype(np.int32), values, column)
+        self.velocity, self.acceleration = bodies.motion_velocity, fem.Function(V, name="acceleration")
+        bodies.add_damping(self.damping, self.bulk_viscosity)
+        bodies.add_foundations()
+        functions = FunctionsOfTime()
+        dead = self._make_loads(functions)
+        motions = [prescribed_motion(bc, functions) for bc in bcs]
         self.contact: tuple[NodalResult, ...] = tuple([c._bind_explicit(self) for c in contact])
-        for c in self.contact:
-            motion = c.motion
-            columns = [-1] * 3 if motion is None else self._functions.add(motion)
-            self._cpp_object.add_contact(c._cpp_object, columns)
-        inputs = Inputs(self.comm, self._cpp_object, self._terms, self.dead_loads, self._frequencies)
-        self._history = RunHistory(len(self.contact), mesh.geometry.dim)
-        share = PenetrationShare(self, from_rest=not linear and self._parts is None)
+        alpha, beta = self.damping.alpha, self.damping.beta
+        self._damping_of_all = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
+        self._cpp_object = _cpp.problems.ExplicitProblem(
+            u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object, bodies.body(self._damping_of_all), motions,
+            dead, [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
+        )  # fmt: skip
+        self.supports = self._cpp_object.supports.parts
+        integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step
+        inputs = Inputs(self.comm, integrator, bodies.terms, self.dead_loads, bodies.frequencies, safe.changes)
+        self._history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
+        share = PenetrationShare(
+            u, material, self.loads, [not c.kinematic for c in self.contact],
+            from_rest=not bodies.linear and not self.has_history,
+        )  # fmt: skip
         self._state = CurrentState(
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share,
-            ReadOnce(supports, self.contact),
+            ReadOnce(self._cpp_object.supports, self.contact),
         )  # fmt: skip
-        # Of other unknowns than displacements the size of a cell says nothing about how far they may change.
-        watched = deforms and is_displacement(V) and not self._frequencies.depends_on_jumps
-        watch = StableStepWatch(self) if watched else None
-        # Internal variables may change the stiffness by a third within 100 steps.
-        periodic = periodic or (deforms and (watch is None or self._parts is not None))
-        self._stepper = TimeStepper(self, self._functions, inputs, self._state, self._history, watch, periodic)
+        self._calls = AdvanceCalls()
+        self._stepper = TimeStepper(
+            self._cpp_object, mesh, functions, inputs, self._state, self.contact, RotationWarning(material),
+            self.unsolved_points,
+        )  # fmt: skip
         if residual is not None:
-            stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / self._stepper.safe_step) ** 2
-            self._cpp_object.release_limit = energy_gain.release_limit(V, stiffness_of_mass, cell_sizes(mesh))
+            stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / safe.value) ** 2
+            integrator.release_limit = energy_gain.release_limit(V, stiffness_of_mass, cell_sizes(mesh))
         self._restart = Restart(self, self._stepper)
-        self._stepper.start(u.x.array[: self.num_owned], self.velocity.x.array[: self.num_owned])
+        self._stepper.start()
         _cpp.integrators.release_memory()
 
     # --- set-up ----------------------------------------------------------------------------------------------------
@@ -348,11 +286,11 @@ class ExplicitProblem(Unique):
     def contact_step(self) -> float:
         """Step for which contact springs that follow from it are made: 0.9 of the stable one at the start, or a longer
         one that was taken [T]."""
-        return float(self._stepper.integrator.contact_step)
+        return float(self._cpp_object.integrator.contact_step)
 
     def restart_forces(self) -> None:
         """Compute the forces of the start once more, after contacts have got a history. Collective."""
-        self._stepper.restart()
+        self._stepper.start()
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
@@ -372,26 +310,6 @@ class ExplicitProblem(Unique):
         """
         return self._frequencies.nodal_stiffness(nodes)
 
-    def _frequencies_masses(self) -> CellMasses:
-        masses = self._frequencies.masses()
-        return [(np.arange(len(masses), dtype=np.int32), masses)]
-
-    def _scale_mass(self, dt: float) -> float:
-        """Add mass to cells whose own stable step is less than dt. Collective.
-
-        Args:
-            dt: step [T].
-
-        Returns:
-            Added mass, of all ranks [M].
-        """
-        f = self._frequencies
-        squares, rates = f.by_cell()
-        factor = np.maximum(1.0, squares * (dt / 2.0) ** 2 + rates * (dt / 2.0))
-        added = self.comm.allreduce(float((factor - 1.0) @ f.masses().sum(axis=1)), MPI.SUM)
-        f.factor = factor
-        return float(added / self.space.mesh.geometry.dim)
-
     def _check_viscosity(self, factors: tuple[float, float] | None) -> tuple[float, float]:
         if factors is None:
             return (0.0, 0.0)
@@ -404,58 +322,29 @@ class ExplicitProblem(Unique):
         linear, quadratic = factors
         return float(linear), float(quadratic)
 
-    def _add_damping(self, v: ufl.Argument) -> None:
-        kinds = _cpp.integrators.WorkKind
-        if self.damping.beta > 0.0:
-            if self.scheme == "classical":
-                raise ValueError("scheme 'classical' takes mass-proportional damping only: its matrix must be diagonal")
-            if self.material is None:
-                raise ValueError("stiffness-proportional damping needs a material: write it into your own residual")
-            beta = fem.Constant(self.space.mesh, default_scalar_type(self.damping.beta))
-            self._term(stiffness_damping(self.u, self.velocity, v, self.material, beta), kinds.damping)
-        if any(self.bulk_viscosity):
-            assert self.material is not None  # checked with the factors
-            mesh = self.space.mesh
-            linear, quadratic = (fem.Constant(mesh, default_scalar_type(f)) for f in self.bulk_viscosity)
-            form = operators.sum_materials(
-                self.u, self.material,
-                lambda m, dx: viscosity.bulk(
-                    self.u, self.velocity, v, m.elastic_law(mesh), m.density_constant(mesh), linear, quadratic, dx
-                ),
-            )  # fmt: skip
-            self._term(form, kinds.viscosity)
+    def _make_loads(self, functions: FunctionsOfTime) -> list[_cpp.problems.LoadInTime]:
+        """Loads that do not follow the body, for the C++ side; those that do become terms of the bodies.
 
-    def _add_foundations(self, v: ufl.Argument) -> None:
-        """Springs to the ground, whose energy counts as internal, and dashpots. Two terms for all of them: their forms
-        share one set of tags, as those of the stable step do."""
-        springs = spring_form(self.loads, self.u, v, self._bodies)
-        if springs is not None:
-            self._term(springs, _cpp.integrators.WorkKind.foundation)
-        dashpots = dashpot_form(self.loads, self.velocity, v, self._bodies)
-        if dashpots is not None:
-            self._term(dashpots, _cpp.integrators.WorkKind.damping)
-
-    def _term(self, form: ufl.Form, kind: _cpp.integrators.WorkKind) -> None:
-        """Add a force term to the integrator; `kind` says which energy its work counts to."""
-        term = operators.SplitForce(form, self.u, self.velocity)
-        self._terms.append(term)
-        self._cpp_object.add_term(term.forces(), kind)
-
-    def _set_loads(self, loads: Sequence[Load], v: ufl.Argument) -> None:
+        Args:
+            functions: receives the amplitudes.
+        """
         self.dead_loads: list[DeadLoad] = []
-        for load in loads:
+        out = []
+        for load in self.loads:
             if isinstance(load, (Foundation, AddedMass)):
-                continue  # _add_foundations; in the mass
-            form = load.form(self.u, v, self._bodies)
+                continue  # parts of the bodies
+            form = load.form(self.u, ufl.TestFunction(self.space), self._bodies.bodies)
             amplitude = Amplitude(getattr(load, "amplitude", None), f"amplitude of {type(load).__name__}")
             if self.u in form.coefficients():
                 if getattr(load, "amplitude", None) is not None:
                     raise ValueError(f"{type(load).__name__} follows the body: it takes no amplitude")
-                self._term(form, _cpp.integrators.WorkKind.external)
+                self._bodies.add(form, _cpp.integrators.WorkKind.external)
                 continue
             dead = DeadLoad(load, form, self.space)
-            self._cpp_object.add_load(dead.dofs, dead.values(), self._functions.add(amplitude)[0])
+            functions.add(amplitude)
+            out.append(_cpp.problems.LoadInTime(dead.dofs, dead.values(), np.ones(1)))
             self.dead_loads.append(dead)
+        return out
 
     # --- running ---------------------------------------------------------------------------------------------------
 
@@ -501,10 +390,19 @@ class ExplicitProblem(Unique):
             KeyboardInterrupt: Ctrl-C, on all ranks after the same step, once the callback has returned.
         """
         with guard(self.comm, "advance", callback=callback, update=update, unsafe=bool(unsafe)) as ranks:
-            until, limits = self._stepper.check_arguments(until, callback, update), energy_gain.checked(energy_limits)
+            until, limits = self._calls.check(self.time, until, callback, update), energy_gain.checked(energy_limits)
+            self._stepper.check_unchanged()
             ranks.same(until=until, dt=dt, energy_limits=limits)
-        if until != self.time:
-            self._stepper.advance(until, dt, callback, update, progress, unsafe, limits)
+        if until == self.time:
+            return
+        with self._calls.running():
+            first = self._called(self._calls.at_present(None if self.step > 0 else callback, update))
+            each = self._called(self._calls.at_present(callback, update))
+            self._stepper.advance(until, dt, first, each, progress, unsafe, limits)
+
+    def _called(self, function: Callable[[ExplicitProblem], object] | None) -> Callable[[], object] | None:
+        """A function of this problem as one without arguments; None stays None."""
+        return None if function is None else functools.partial(function, self)
 
     @property
     def time(self) -> float:
@@ -524,17 +422,7 @@ class ExplicitProblem(Unique):
 
     def unsolved_points(self) -> str:
         """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
-        return self._internal.fault()
-
-    def store_history(self) -> None:
-        """Keep the internal variables of the present time, for `restore_history`."""
-        if self._parts is not None:
-            self._internal.history.store_snapshot()
-
-    def restore_history(self) -> None:
-        """Go back to the internal variables of the last `store_history`."""
-        if self._parts is not None:
-            self._internal.history.restore_snapshot()
+        return self._bodies.internal.fault()
 
     @property
     def stress(self) -> HistoryField:
@@ -557,7 +445,7 @@ class ExplicitProblem(Unique):
     @property
     def has_history(self) -> bool:
         """Whether a material has internal variables."""
-        return self._parts is not None
+        return self._bodies.parts is not None
 
     @property
     def history(self) -> MaterialHistory:
@@ -566,7 +454,8 @@ class ExplicitProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        return existing(None if self._parts is None else MaterialHistory(self._parts, self._internal.history))
+        parts = self._bodies.parts
+        return existing(None if parts is None else MaterialHistory(parts, self._bodies.internal.history))
 
     @property
     def energy_history(self) -> FloatArray:
@@ -716,7 +605,7 @@ class ExplicitProblem(Unique):
             inverse[self.prescribed[: self.num_owned]] = 0.0
             matrix = stiffness(self.contact, self.space, self.u.x.array)
             if self._frequencies.damps:
-                found = self._frequencies.critical_step(inverse, matrix, self._uniform_damping, self.stable_step())
+                found = self._frequencies.critical_step(inverse, matrix, self._damping_of_all, self.stable_step())
             else:
                 omega = self._frequencies.highest(inverse, matrix)
             if matrix is not None:
@@ -725,7 +614,8 @@ class ExplicitProblem(Unique):
                 return found
         if method == "length":
             omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
-        return damped(omega, self.damping.alpha, self.damping.beta, self.bulk_viscosity[0], self.scheme)
+        scheme = getattr(_cpp.integrators.Scheme, self.scheme)
+        return float(_cpp.problems.stable_step(omega**2, 0.0, self._damping_of_all, scheme))
 
     def frequencies_by_cell(self, only: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Largest eigenvalues of owned cells at the present state; see Frequencies.by_cell. Collective.
@@ -751,13 +641,8 @@ class ExplicitProblem(Unique):
         Returns:
             Steps, infinite where nothing limits them, (n) [T].
         """
-        uniform = UniformDamping() if self.scheme == "classical" else self._uniform_damping
-        return cell_steps(squares, rates, uniform, math.hypot(*(c.spring_frequency() for c in self.contact)))
-
-    @property
-    def _uniform_damping(self) -> UniformDamping:
-        """Damping of all cells alike, beside that of dashpots or of a residual."""
-        return UniformDamping(self.damping.alpha, self.damping.beta, self.bulk_viscosity[0])
+        steps: FloatArray = self._cpp_object.safe_step.steps(squares, rates)
+        return steps
 
     def _cell_times(self) -> FloatArray:
         """Time that a dilatational wave takes through each owned cell, (num_cells) [T]."""

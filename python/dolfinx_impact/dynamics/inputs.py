@@ -9,7 +9,6 @@ from mpi4py import MPI
 from .. import _cpp
 from ..assembly.operators import SplitForce
 from ..loads import DeadLoad
-from .input_changes import InputChanges
 from .stable_step import Frequencies
 
 
@@ -25,8 +24,6 @@ class Inputs:
         terms: force terms of the integrator.
         loads: dead loads, in the order of the integrator.
         frequencies: frequencies of the cells, from which the stable step is computed.
-
-    Attributes:
         changes: changes of what the stable step depends on, beside the motion.
     """
 
@@ -37,10 +34,11 @@ class Inputs:
         terms: Sequence[SplitForce],
         loads: Sequence[DeadLoad],
         frequencies: Frequencies,
+        changes: _cpp.problems.InputChanges,
     ) -> None:
         self.comm, self.integrator = comm, integrator
         self.terms, self.loads, self.frequencies = terms, loads, frequencies
-        self.changes = InputChanges()
+        self.changes = changes
 
     def update_changed(self) -> None:
         """Copy the values that have changed; the forces at the present time are then those of the new values.

@@ -5,18 +5,18 @@ from __future__ import annotations
 
 import math
 import warnings
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
 import numpy as np
 import numpy.typing as npt
+from dolfinx.fem import Function
 from mpi4py import MPI
 
 from ..assembly import operators
 from ..foundation import Foundation
+from ..loads import Load
+from ..materials import Material
 from .run_history import Energies
-
-if TYPE_CHECKING:
-    from .explicit import ExplicitProblem
 
 WARN = 0.05  # share that is warned of: forces under given displacements are too small by it
 SLOW = 0.1  # a body bears a load when its kinetic energy is below this part of the energy of deformation
@@ -30,15 +30,26 @@ class PenetrationShare:
     compliances, and the springs' part is the part that penetration has in the approach of the bodies.
 
     Args:
-        problem: the explicit problem, with contacts.
+        u: displacement function [L].
+        material: material of the bodies; None: their energy is not known.
+        loads: loads of the problem.
+        springs: whether each contact acts by springs.
         from_rest: whether the integrator's internal energy is that since the start (bodies of nonlinear elasticity)
             instead of that of the undeformed body.
     """
 
-    def __init__(self, problem: ExplicitProblem, from_rest: bool) -> None:
-        self._comm, self._known = problem.comm, problem.material is not None
-        self._springs = [not c.kinematic for c in problem.contact]
-        self._problem, self._unknown_start = problem, from_rest and self._known and any(self._springs)
+    def __init__(
+        self,
+        u: Function,
+        material: Material | None,
+        loads: Sequence[Load],
+        springs: Sequence[bool],
+        from_rest: bool,
+    ) -> None:
+        self._u, self._material, self._loads = u, material, loads
+        self._comm, self._known = u.function_space.mesh.comm, material is not None
+        self._springs = list(springs)
+        self._unknown_start = from_rest and self._known and any(self._springs)
         self.begin_anew()
 
     def begin_anew(self) -> None:
@@ -59,12 +70,12 @@ class PenetrationShare:
 
     def _energy(self) -> float:
         """Energy of elastic bodies and foundations at the present displacement [F L]. Collective."""
-        u, material = self._problem.u, self._problem.material
+        u, material = self._u, self._material
         if not self._comm.allreduce(bool(np.any(u.x.array)), MPI.LOR):
             return 0.0
         assert material is not None  # else the energy is not known
         form = operators.strain_energy_form(u, material)
-        for load in self._problem.loads:
+        for load in self._loads:
             if isinstance(load, Foundation):
                 form += load.energy_form(u, material)
         return float(operators.Energy(form).value())
@@ -114,5 +125,5 @@ class PenetrationShare:
                 "under given displacements are too small by as much. Take Kinematic, which has no penetration, finer "
                 "cells, a larger penalty with smaller steps, or begin from a static solution "
                 "(contact.penetration_share)",
-                stacklevel=6,
+                stacklevel=4,
             )

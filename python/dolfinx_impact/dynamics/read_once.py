@@ -14,7 +14,10 @@ from ..common.types import FloatArray
 if TYPE_CHECKING:
     from ..contact.pair import ContactPair
     from ..contact.rigid import _Rigid
-    from .supports import Supports
+
+
+class _Supports(Protocol):
+    def check(self) -> None: ...
 
 
 class _OfPair(Protocol):
@@ -29,7 +32,7 @@ class ReadOnce(Described):
         contacts: contacts of the problem.
     """
 
-    def __init__(self, supports: Supports, contacts: Sequence[_OfPair]) -> None:
+    def __init__(self, supports: _Supports, contacts: Sequence[_OfPair]) -> None:
         self._supports = supports
         masters = [(c.pair.name, c.pair.rigid_master) for c in contacts if c.pair.rigid]
         self._masters: list[tuple[str, _Rigid, FloatArray, Any]] = [

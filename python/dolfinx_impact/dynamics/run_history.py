@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Energies and contact forces of an explicit run at every step."""
 
-from collections.abc import Callable, Mapping
-from typing import Any, TypeAlias, cast
+from collections.abc import Mapping
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
+from .. import _cpp
 from ..common.described import Described
 from ..common.types import FloatArray
-from .history import History
 
 # Energies by the names of ENERGIES: a mapping, or a row of a structured array.
 Energies: TypeAlias = Mapping[str, float] | np.void
@@ -32,28 +32,27 @@ def total_energy(values: Energies) -> float:
 
 
 class RunHistory(Described):
-    """Time, energies and contact forces before each step, and the drift of the total energy.
+    """Time, energies and contact forces before each step, and the drift of the total energy; a view of C++.
+
+    Beyond `limit` rows every second one is dropped, and from then on only every second (fourth, ...) one is kept.
 
     Args:
         num_contacts: number of contacts of the problem [1].
         gdim: number of components of a contact force [1].
+        history: RunHistory (C++) that is seen; None: a new one.
 
     Attributes:
         step_type: data type of a row as the C++ integrator writes it: the ENERGIES by name [F L], then `force`,
             (num_contacts, 3) [F].
         row_type: data type of a row of the history: `time` [T], then the fields of `step_type`.
-        total_start: total energy at the start, the reference of the drift; None before the first row [F L].
-        largest: largest sum of absolute values of the energies so far, the scale of the drift [F L].
     """
 
-    def __init__(self, num_contacts: int, gdim: int) -> None:
-        self._gdim = gdim
+    def __init__(self, num_contacts: int, gdim: int, history: _cpp.problems.RunHistory | None = None) -> None:
+        self._cpp_object = _cpp.problems.RunHistory(num_contacts) if history is None else history
+        self._gdim, self._num_contacts = gdim, num_contacts
         fields: list[Any] = [*((name, float) for name in ENERGIES), ("force", float, (num_contacts, 3))]
         self.step_type: np.dtype[np.void] = np.dtype(fields)
         self.row_type: np.dtype[np.void] = np.dtype([("time", float), *fields])
-        self._rows = History(self.row_type)
-        self.total_start: float | None = None
-        self.largest = 0.0
 
     def add(self, times: FloatArray, steps: npt.NDArray[np.void]) -> npt.NDArray[np.void]:
         """Append rows.
@@ -65,22 +64,28 @@ class RunHistory(Described):
         Returns:
             (n) rows of `row_type`: the rows with their times.
         """
+        self._cpp_object.add(np.ascontiguousarray(times, dtype=float), np.ascontiguousarray(steps).view(float).ravel())
+        return self.rows(times, steps)
+
+    def rows(self, times: FloatArray, steps: npt.NDArray[np.void]) -> npt.NDArray[np.void]:
+        """Rows with their times.
+
+        Args:
+            times: time of each row, (n) [T].
+            steps: (n) rows of `step_type`.
+
+        Returns:
+            (n) rows of `row_type`.
+        """
         rows = np.zeros(len(steps), dtype=self.row_type)
         rows["time"] = times
         for name in steps.dtype.names or ():
             rows[name] = steps[name]
-        if len(rows):
-            if self.total_start is None:
-                self.total_start = total_energy(rows[0])
-            sizes = sum(np.abs(rows[name]) for name in ENERGIES)
-            self.largest = max(self.largest, float(sizes.max()))
-            self._rows.add(rows)
         return rows
 
     def begin_anew(self) -> None:
         """Forget all rows; the next row is the new reference of the drift."""
-        self._rows.clear()
-        self.total_start, self.largest = None, 0.0
+        self._cpp_object.begin_anew()
 
     def resume(self, total_start: float | None, largest: float) -> None:
         """Forget all rows and set the reference of the drift to that of a checkpoint.
@@ -89,8 +94,18 @@ class RunHistory(Described):
             total_start: total energy at the start of the run; None if there is none [F L].
             largest: largest sum of absolute values of the energies so far [F L].
         """
-        self._rows.clear()
-        self.total_start, self.largest = total_start, largest
+        self._cpp_object.resume(total_start, largest)
+
+    @property
+    def total_start(self) -> float | None:
+        """Total energy at the start, the reference of the drift; None before the first row [F L]."""
+        start: float | None = self._cpp_object.total_start
+        return start
+
+    @property
+    def largest(self) -> float:
+        """Largest sum of absolute values of the energies so far, the scale of the drift [F L]."""
+        return float(self._cpp_object.largest)
 
     def drift(self, values: Energies) -> float:
         """Relative change of the total energy since the start.
@@ -101,46 +116,41 @@ class RunHistory(Described):
         Returns:
             Change over the largest sum of absolute values of the energies [1].
         """
-        total = total_energy(values)
-        change = total - (total if self.total_start is None else self.total_start)
-        largest = max(self.largest, float(sum(abs(values[name]) for name in ENERGIES)))
-        return change / largest if largest > 0.0 else 0.0
+        return float(self._cpp_object.drift(np.array([values[name] for name in ENERGIES], dtype=float)))
 
     @property
     def last(self) -> np.void | None:
         """Row of `row_type` that was added last; None without rows."""
-        return cast(np.void | None, self._rows.last)  # rows of `row_type` are structured
+        row = self._cpp_object.last
+        return row.view(self.row_type)[0] if len(row) else None
 
     @property
     def energies(self) -> FloatArray:
         """Times [T] and energies in the order of ENERGIES [F L], (num_rows, 10)."""
-        names = ("time", *ENERGIES)
-        return self._columns(lambda rows: np.column_stack([rows[name] for name in names]), len(names))
+        columns: FloatArray = self._cpp_object.columns(0, 1 + len(ENERGIES))
+        return columns
 
     @property
     def forces(self) -> list[FloatArray]:
         """Forces on the slaves, for each contact (num_rows, gdim) [F]."""
-        num_contacts = self.row_type["force"].shape[0]
-        return [self._columns(lambda rows: rows["force"][:, k, : self._gdim], self._gdim) for k in range(num_contacts)]
-
-    def _columns(self, of: Callable[[npt.NDArray[np.void]], FloatArray], num_columns: int) -> FloatArray:
-        """Numbers of all rows, (num_rows, num_columns), found block by block: no rows are copied."""
-        out, first = np.empty((len(self._rows), num_columns)), 0
-        for rows in self._rows:
-            out[first : first + len(rows)] = of(rows)
-            first += len(rows)
-        return out
+        first = 1 + len(ENERGIES)
+        return [self._cpp_object.columns(first + 3 * k, self._gdim) for k in range(self._num_contacts)]
 
     @property
     def limit(self) -> int:
         """Largest number of rows that are kept [1]."""
-        return self._rows.limit
+        return int(self._cpp_object.limit)
 
     @limit.setter
     def limit(self, value: int) -> None:
-        """Set the largest number of rows; see History.limit.
+        """Set the largest number of rows; rows beyond it are dropped.
 
         Args:
             value: number of rows, two or more [1].
+
+        Raises:
+            ValueError: the value is no integer, or less than two.
         """
-        self._rows.limit = value
+        if isinstance(value, bool) or int(value) != value or value < 2:
+            raise ValueError(f"history_limit is {value!r}: give a number of rows, two or more")
+        self._cpp_object.limit = int(value)

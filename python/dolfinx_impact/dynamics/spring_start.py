@@ -121,14 +121,13 @@ class SpringStart:
         # Nodes beside the contact, which the approach has pushed in, stay just open.
         gap = np.where(closed, -force * compliance, MARGIN * np.abs(found))
         side = contact.sides()[0]
-        history = {name: np.array(values) for name, values in side.history().items()}
-        history["closed"][:] = np.where(closed, 1, 0)
-        history["tangential"] = np.ascontiguousarray(np.where(closed[:, None], along, 0.0))
-        history["spring_force"], history["spring_compliance"], history["spring_gap"] = (
-            force, compliance, np.where(closed, gap, 0.0)
-        )  # fmt: skip
-        for name in ("spring_surplus", "spring_tangential_surplus"):
-            history[name][:] = 0.0
-        history["spring_offset"] = np.where(inside, gap - found, 0.0)
-        side.set_history(history)
-        side.set_energy(0.0, 0.0, 0.0)
+        values = {
+            "closed": np.where(closed, 1, 0), "tangential": np.where(closed[:, None], along, 0.0),
+            "spring_force": force, "spring_compliance": compliance, "spring_gap": np.where(closed, gap, 0.0),
+            "spring_surplus": 0.0, "spring_tangential_surplus": 0.0, "energies": 0.0,
+            "spring_offset": np.where(inside, gap - found, 0.0),
+        }  # fmt: skip
+        state = side.saved_state()
+        for name, value in values.items():
+            state.array(name)[...] = value
+        side.resume(state)

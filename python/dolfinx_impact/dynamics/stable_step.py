@@ -4,10 +4,8 @@
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-import basix
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -23,41 +21,11 @@ from ..assembly.curvature import NOISE, WRONG, check_curvature, extremes
 from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import common
 from ..common.types import BoolArray, FloatArray, IntArray
-from ..contact.nodal_sum import NodalSum
 
 METHODS = ("length", "element", "eigenvalue")
 TOLERANCE = 1e-8  # relative, of the largest eigenvalue
 
 CellMasses: TypeAlias = list[tuple[IntArray, FloatArray]]  # of lumped_mass.cell_masses
-
-
-def damped(
-    omega: float,
-    alpha: float = 0.0,
-    beta: float = 0.0,
-    viscosity: float = 0.0,
-    scheme: str = "half_step",
-    rate: float = 0.0,
-) -> float:
-    """Stable step of a mode with damping; seed (3.78), corrected.
-
-    All damping adds up to a fraction xi of critical damping: 2 xi omega = rate + alpha + beta omega^2 +
-    2 viscosity omega. The classical scheme's stable step does not depend on it.
-
-    Args:
-        omega: angular frequency of the mode [1/T].
-        alpha: factor of mass-proportional damping [1/T].
-        beta: factor of stiffness-proportional damping [T].
-        viscosity: factor of linear bulk viscosity [1].
-        scheme: "half_step" or "classical".
-        rate: eigenvalue of damping over mass [1/T].
-
-    Returns:
-        Stable step; infinite where nothing limits it [T].
-    """
-    half = 0.0 if scheme == "classical" else 0.5 * (rate + alpha + beta * omega**2) + viscosity * omega
-    largest = half + math.sqrt(half**2 + omega**2)
-    return 2.0 / largest if largest > 0.0 else math.inf
 
 
 def cell_sizes(mesh: Mesh) -> FloatArray:
@@ -69,48 +37,8 @@ def cell_sizes(mesh: Mesh) -> FloatArray:
     Returns:
         Lengths, (num_cells) [L].
     """
-    cell = getattr(basix.CellType, mesh.topology.cell_name())
-    num_cells = mesh.topology.index_map(mesh.topology.dim).size_local
-    x = mesh.geometry.x[mesh.geometry.dofmap[:num_cells]]
-    edges = np.array(basix.topology(cell)[1])
-    return np.min(np.linalg.norm(x[:, edges[:, 0]] - x[:, edges[:, 1]], axis=2), axis=1)
-
-
-@dataclass(frozen=True)
-class UniformDamping:
-    """Damping of all cells alike.
-
-    Attributes:
-        alpha: factor of mass-proportional damping [1/T].
-        beta: factor of stiffness-proportional damping [T].
-        viscosity: factor of linear bulk viscosity [1].
-    """
-
-    alpha: float = 0.0
-    beta: float = 0.0
-    viscosity: float = 0.0
-
-    def rate(self, square: Any) -> Any:
-        """Eigenvalue of the damping over the mass, of modes of the squared frequency `square` [1/T]."""
-        return self.alpha + self.beta * square + 2.0 * self.viscosity * np.sqrt(square)
-
-
-def cell_steps(squares: FloatArray, rates: FloatArray, uniform: UniformDamping, springs: float) -> FloatArray:
-    """Stable steps of cells; docs/explicit/stable_step.md.
-
-    Args:
-        squares: squares of their highest angular frequencies, (n) [1/T^2].
-        rates: largest eigenvalues of damping over mass, (n) [1/T].
-        uniform: damping of all cells alike.
-        springs: angular frequency that contact adds [1/T].
-
-    Returns:
-        Steps, infinite where nothing limits them, (n) [T].
-    """
-    squares = squares + springs**2
-    half = 0.5 * (rates + uniform.rate(squares))
-    largest = half + np.sqrt(half**2 + squares)
-    return np.divide(2.0, largest, out=np.full(len(largest), np.inf), where=largest > 0.0)
+    sizes: FloatArray = _cpp.problems.cell_sizes(mesh._cpp_object)
+    return sizes
 
 
 class Frequencies:
@@ -126,7 +54,6 @@ class Frequencies:
 
     Attributes:
         stiffness: cell matrices of the tangent.
-        factor: factor of each owned cell's mass, (num_cells); None: no factors [1].
     """
 
     def __init__(
@@ -139,13 +66,20 @@ class Frequencies:
     ) -> None:
         V = u.function_space
         self.u, self.tangent, self.comm = u, tangent, V.mesh.comm
-        self._num_cells: int = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
-        self._masses = masses
-        self.factor: FloatArray | None = None
+        shape = V.mesh.topology.index_map(V.mesh.topology.dim).size_local, V.dofmap.bs * V.dofmap.dof_layout.num_dofs
         motion = (u, velocity)
         self.stiffness = CellMatrices(u, tangent, motion)
         self._damping_form = damping
         self._damping = None if damping is None else CellMatrices(u, damping, motion)
+
+        def by_cell() -> FloatArray:  # it does not know this object, which has it
+            out = np.zeros(shape)
+            for cells, values in masses():
+                out[cells] += values
+            return out.ravel()
+
+        bounds = None if self._damping is None else self._damping.bounds
+        self._cpp_object = _cpp.problems.CellFrequencies(V._cpp_object, self.stiffness.bounds, bounds, by_cell)
 
     @property
     def depends_on_jumps(self) -> bool:
@@ -184,10 +118,26 @@ class Frequencies:
             Masses, (num_cells, local degrees of freedom) [M].
         """
         V = self.u.function_space
-        out = np.zeros((self._num_cells, V.dofmap.bs * V.dofmap.dof_layout.num_dofs))
-        for cells, values in self._masses():
-            out[cells] += values
-        return out if self.factor is None else out * self.factor[:, None]
+        found: FloatArray = self._cpp_object.masses().reshape(-1, V.dofmap.bs * V.dofmap.dof_layout.num_dofs)
+        return found
+
+    def scale_mass(self, dt: float) -> float:
+        """Add mass to cells whose own stable step is less than dt. Collective.
+
+        Args:
+            dt: step [T].
+
+        Returns:
+            Added mass, of all ranks [M].
+        """
+        self.update()
+        return float(self._cpp_object.scale_mass(dt))
+
+    def update(self) -> None:
+        """Take the present constants and the ghosts of coefficients. Collective."""
+        for matrices in (self.stiffness, self._damping):
+            if matrices is not None:
+                matrices.update()
 
     def by_cell(self, only: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Largest eigenvalues of owned cells. Collective.
@@ -202,10 +152,9 @@ class Frequencies:
         Raises:
             ValueError: the stiffness of a cell is not finite; on all ranks.
         """
-        masses, rows = self.masses(), slice(None) if only is None else only
-        damping = self._damping
-        rates = np.zeros(len(masses))[rows] if damping is None else damping.spectra(masses, only)[rows, 1]
-        return np.maximum(self.stiffness.spectra(masses, only)[rows, 1], 0.0), np.maximum(rates, 0.0)
+        self.update()
+        squares, rates = self._cpp_object.by_cell(only)
+        return squares, rates
 
     def nodal_stiffness(self, nodes: BoolArray) -> FloatArray:
         """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, at
@@ -217,22 +166,14 @@ class Frequencies:
         Returns:
             Sums, owned and ghosts, right at these nodes; zero without stiffness, or if it is not a number [F/L].
         """
-        V = self.u.function_space
-        dofs, bs = V.dofmap.list[: self._num_cells], V.dofmap.bs
-        near = np.any(nodes[dofs], axis=1)
-        masses, given = self.masses(), self.u.x.array.copy()
+        given = self.u.x.array.copy()
         self.u.x.array[:] = 0.0
         try:
-            squares = np.maximum(self.stiffness.spectra(masses, near, facets=False)[near, 1], 0.0)
-        except ValueError:  # on all ranks: a residual that is not a number at rest
-            squares = np.zeros(np.count_nonzero(near))
+            self.update()
+            found: FloatArray = self._cpp_object.nodal_stiffness(np.ascontiguousarray(nodes))
         finally:
             self.u.x.array[:] = given
-        total = NodalSum(V.dofmap.index_map, 1)
-        sums = np.zeros(total.num_nodes)
-        means = masses[near].reshape(len(squares), dofs.shape[1], bs).mean(axis=2)
-        np.add.at(sums, dofs[near], means * squares[:, None])
-        return total(sums).ravel()
+        return found
 
     def check_signs(self, free: BoolArray) -> None:
         """Refuse a stiffness or damping of the wrong sign. Collective.
@@ -321,7 +262,7 @@ class Frequencies:
         return math.sqrt(max(value, 0.0))
 
     def critical_step(
-        self, inverse_mass: FloatArray, extra: PETSc.Mat | None, uniform: UniformDamping, start: float
+        self, inverse_mass: FloatArray, extra: PETSc.Mat | None, uniform: _cpp.problems.UniformDamping, start: float
     ) -> float:
         """Stable step of the assembled system with damping that differs between cells. Collective.
 

@@ -13,6 +13,7 @@ import contextlib
 import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -22,17 +23,36 @@ from dolfinx.fem import FunctionSpace
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from ..assembly.fields import fields_of, is_mixed
 from ..common.cell_numbers import has_input
+from ..common.collective import agree
 from ..common.types import AnyArray, BoolArray, FilePath, FloatArray, IntArray
 from . import seal
 from .hdf5 import Sketch, reserve, write_at
-from .signature import Problem, Signature, signature, supports
+from .signature import Signature
 
 FORMAT = 11
 SAME = 1e-9  # relative tolerance of sums over nodes and of coordinates: round-off is less, another mesh differs by more
 CELLS = ("cells/input", "cells/nodes")
 
 Attribute: TypeAlias = str | int | float | AnyArray
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A problem as a checkpoint sees it.
+
+    Attributes:
+        space: displacement space; nodes are the blocks of its degrees of freedom.
+        signature: by what the problem is recognised, of its present arguments, a function that takes the undeformed
+            coordinates of this rank's owned nodes, (num_nodes, gdim). Collective.
+        supports: owned nodes with prescribed components, (n), and rows of numbers of them, (n, 3 * components): see
+            signature.supports.
+    """
+
+    space: FunctionSpace
+    signature: Callable[[FloatArray], Signature]
+    supports: Callable[[], tuple[IntArray, FloatArray]]
 
 
 def nodes_of(space: FunctionSpace) -> tuple[int, IntArray]:
@@ -71,6 +91,22 @@ def input_cells(mesh: Mesh) -> IntArray:
     return mesh.topology.original_cell_index[: mesh.topology.index_map(mesh.topology.dim).size_local]
 
 
+def without_nodes(space: FunctionSpace) -> str:
+    """Describe a field whose values are not those at nodes.
+
+    Args:
+        space: displacement space.
+
+    Returns:
+        The first of them, or an empty text.
+    """
+    if is_mixed(space):
+        return next((str(field) for field in fields_of(space) if not field.is_lagrange), "")
+    element = space.ufl_element()
+    scalar = element.sub_elements[0] if element.block_size > 1 else element
+    return "" if scalar.family_name == "P" else f"element {scalar.family_name}"
+
+
 def places(space: FunctionSpace) -> FloatArray:
     """Undeformed coordinates of this rank's owned nodes.
 
@@ -80,7 +116,14 @@ def places(space: FunctionSpace) -> FloatArray:
     Returns:
         Coordinates, (num_nodes, gdim) [L].
     """
-    return space.tabulate_dof_coordinates()[: space.dofmap.index_map.size_local, : space.mesh.geometry.dim].copy()
+    num, gdim = space.dofmap.index_map.size_local, space.mesh.geometry.dim
+    if not is_mixed(space):
+        return space.tabulate_dof_coordinates()[:num, :gdim].copy()
+    x = np.zeros((num + space.dofmap.index_map.num_ghosts, gdim))
+    for field in fields_of(space):
+        of_field, dofs = space.sub(field.number).collapse()
+        x[dofs] = np.repeat(of_field.tabulate_dof_coordinates()[:, :gdim], of_field.dofmap.index_map_bs, axis=0)
+    return x[:num].copy()
 
 
 def _together(comm: MPI.Intracomm, work: Callable[[], object]) -> tuple[str, str] | None:
@@ -129,7 +172,7 @@ def lay_out(
 
 def write(
     path: FilePath,
-    problem: Problem,
+    subject: Subject,
     arrays: Mapping[str, FloatArray],
     nodal: Mapping[str, tuple[IntArray, FloatArray]],
     cellwise: Mapping[str, FloatArray],
@@ -141,7 +184,7 @@ def write(
 
     Args:
         path: file to write.
-        problem: problem in time.
+        subject: problem whose state is written.
         arrays: values at all owned nodes by name, rows by node.
         nodal: some owned nodes and the values at them by name, rows by node.
         cellwise: values of all owned cells by name, rows by cell.
@@ -153,13 +196,13 @@ def write(
     Raises:
         RuntimeError: the folder cannot be written, or no space is left; on all ranks. An earlier file is as it was.
     """
-    comm, target = problem.comm, Path(path)
+    comm, target = subject.space.mesh.comm, Path(path)
     part = target.with_name(target.name + ".part")
-    begin, cells = nodes_of(problem.space)
-    mine: dict[str, AnyArray] = dict(zip(CELLS, (input_cells(problem.space.mesh), cells)))
-    x = places(problem.space)
+    begin, cells = nodes_of(subject.space)
+    mine: dict[str, AnyArray] = dict(zip(CELLS, (input_cells(subject.space.mesh), cells)))
+    x = places(subject.space)
     mine |= {f"nodes/{name}": rows for name, rows in {"x": x, **arrays}.items()}
-    for name, (nodes, rows) in {"supports": supports(problem), **nodal}.items():
+    for name, (nodes, rows) in {"supports": subject.supports(), **nodal}.items():
         mine[f"some/{name}/nodes"] = np.asarray(nodes, dtype=np.int64) + begin
         mine[f"some/{name}/values"] = rows
     for name, (numbers, rows) in (facets or {}).items():
@@ -169,7 +212,7 @@ def write(
     mine |= {f"ranks/{name}": np.asarray(row)[None] for name, row in ranks.items()}
     mine = {name: np.ascontiguousarray(rows) for name, rows in mine.items()}
     counts = comm.allgather([len(rows) for rows in mine.values()])
-    attributes = {"format": FORMAT, "ranks": comm.size, **signature(problem, x), **attributes}
+    attributes = {"format": FORMAT, "ranks": comm.size, **subject.signature(x), **attributes}
     sketch, offsets = Sketch(), dict[str, int]()
     sums: list[list[seal.Section]] | None = None  # checksums of all ranks' rows, on rank 0
 
@@ -233,7 +276,7 @@ class Reader:
 
     Args:
         path: file to read.
-        problem: problem in time.
+        subject: problem that the state is for.
         arrays: number of columns by name of the values at all nodes.
         nodal: number of columns by name of the values at some nodes.
         cellwise: number of columns by name of the values of all cells.
@@ -257,7 +300,7 @@ class Reader:
     def __init__(
         self,
         path: FilePath,
-        problem: Problem,
+        subject: Subject,
         arrays: Mapping[str, int],
         nodal: Mapping[str, int],
         cellwise: Mapping[str, int],
@@ -266,11 +309,11 @@ class Reader:
         facets: Mapping[str, int] | None = None,
     ) -> None:
         self._facet_columns = dict(facets or {})
-        self.problem, self.comm, self.path = problem, problem.comm, Path(path)
-        self._nodal_columns = {"supports": 3 * problem.space.dofmap.index_map_bs, **nodal}
+        self.subject, self.comm, self.path = subject, subject.space.mesh.comm, Path(path)
+        self._nodal_columns = {"supports": 3 * subject.space.dofmap.index_map_bs, **nodal}
         self._cell_columns = dict(cellwise)
-        self._array_columns, self._rank_columns = {"x": problem.space.mesh.geometry.dim, **arrays}, ranks
-        here = signature(problem, places(problem.space))
+        self._array_columns, self._rank_columns = {"x": subject.space.mesh.geometry.dim, **arrays}, ranks
+        here = subject.signature(places(subject.space))
         self._guarded(self._open)
         error = _together(self.comm, lambda: self._compare(here, attributes))
         if error:
@@ -379,7 +422,7 @@ class Reader:
 
     def _read_cells(self) -> None:
         """Read the numbers that the nodes of this rank's owned cells have in the file."""
-        V, a = self.problem.space, self.attributes
+        V, a = self.subject.space, self.attributes
         num_cells, num_nodes = int(a["num_cells"]), int(a["num_nodes"])
         inputs = self._table(CELLS[0], np.int64, rows=num_cells)
         cells = self._table(CELLS[1], np.int64, V.dofmap.list.shape[1], num_cells)
@@ -402,7 +445,7 @@ class Reader:
         """
         from dolfinx import la
 
-        index_map = self.problem.space.dofmap.index_map
+        index_map = self.subject.space.dofmap.index_map
         number, count = (la.vector(index_map, 1) for _ in range(2))
         number.array[:] = np.maximum(self._then, 0)
         count.array[:] = self._then >= 0
@@ -423,7 +466,7 @@ class Reader:
         for name, columns in self._array_columns.items():
             rows = self._table(f"nodes/{name}", np.float64, columns, num_nodes, low if n else 0, high if n else 0)
             self.arrays[name] = rows[self._owned_then - low]
-        x = places(self.problem.space)
+        x = places(self.subject.space)
         size = np.abs(x).max(initial=0.0)
         if not agreed or not np.all(np.abs(self.arrays.pop("x") - x) <= SAME * size):
             raise seal.Damaged("its nodes lie elsewhere: it is of another mesh, or its cells are numbered anew")
@@ -459,6 +502,17 @@ class Reader:
         if unknown:
             raise seal.Damaged(f"it has tables that the problem does not know: {', '.join(unknown)}")
         self._sealed.close()
+
+    def check_supports(self) -> None:
+        """Raise ValueError on all ranks unless the supports are those of the checkpoint. Collective."""
+        nodes, wanted = self.subject.supports()
+        found = self.all_at("supports", nodes)
+        other = np.flatnonzero(np.any(found != wanted, axis=1))
+        error = None
+        if len(other):
+            place = places(self.subject.space)[nodes[other[0]]].tolist()
+            error = ValueError(f"{self.path} is of another problem: supports differ, the first at {place}")
+        agree(self.comm, error, "restore")
 
     def at(self, name: str, nodes: IntArray) -> tuple[FloatArray, BoolArray]:
         """Values of `nodal` at nodes of this rank.

@@ -29,6 +29,8 @@ from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 from ufl.algorithms.analysis import extract_coefficients, extract_constants
 
+from .. import _cpp
+from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
 from ..materials import Material
@@ -76,15 +78,20 @@ class GivenArguments:
         self.mesh, self._state = mesh, state
         self.table: Table = {}
 
-    def add(self, name: str, value: Any) -> None:
+    def add(self, name: str, value: Any, numbers: bool = True) -> None:
         """Add a value: a number, text, array, expression, function, or an object of this package with its arguments.
 
         Args:
             name: name of the argument.
             value: its value.
+            numbers: whether the values of constants and functions in a form or an expression belong to it.
         """
         if isinstance(value, (ufl.Form, ufl.core.expr.Expr)) and not isinstance(value, fem.Constant):
-            self._add_expression(name, value)
+            self._add_expression(name, value, numbers)
+        elif isinstance(value, _cpp.integrators.ImplicitScheme):
+            self.table[name] = type(value).__name__
+            for key in ("beta", "gamma", "alpha_m", "alpha_f"):
+                self.add(f"{name}.{key}", getattr(value, key))
         elif type(value).__module__.split(".")[0] == __name__.split(".")[0]:
             self.table[name] = type(value).__name__
             self.add_attributes(name, value)
@@ -129,12 +136,13 @@ class GivenArguments:
             for key, function in _own_methods(type(m)).items():
                 self.table[f"{of}.{key}"] = _code(function)
 
-    def add_load(self, name: str, load: Any) -> None:
-        """Add a load, with the present values of its constants.
+    def add_load(self, name: str, load: Any, numbers: bool = True) -> None:
+        """Add a load.
 
         Args:
             name: name of the argument.
             load: the load.
+            numbers: whether the present values of its constants and functions belong to it.
         """
         self.table[name] = type(load).__name__
         for key in (p for p in inspect.signature(type(load).__init__).parameters if p != "self"):
@@ -143,6 +151,9 @@ class GivenArguments:
                 self.table[of] = facets_with(self.mesh, value, load.tag)
             elif key == "amplitude":
                 self.table[of] = "without" if value is None else "with"  # its values: functions of time
+            elif not numbers and key in CONSTANT_OF:
+                if isinstance(value, ufl.core.expr.Expr):
+                    self._add_expression(of, value, numbers)
             else:
                 # The first value of a load is that of `constant`; that of an expression is a factor.
                 constant = getattr(load, CONSTANT_OF[key], None) if key in CONSTANT_OF else None
@@ -152,7 +163,9 @@ class GivenArguments:
                 else:
                     self.table[of] = _text(value if constant is None else constant.value)
 
-    def add_contact(self, name: str, kind: str, options: Mapping[str, object], pair: Any, surfaces: Any) -> None:
+    def add_contact(
+        self, name: str, kind: str, options: Mapping[str, object], pair: Any, surfaces: Any, places: bool = True
+    ) -> None:
         """Add a contact.
 
         Args:
@@ -161,6 +174,7 @@ class GivenArguments:
             options: options of the method by name.
             pair: contact pair.
             surfaces: facets of slave and master on this rank (C++), the latter None or an obstacle if it is rigid.
+            places: whether displacement and motion of a rigid master belong to it.
         """
         self.table[name] = kind
         for key, value in sorted(options.items()):
@@ -171,10 +185,11 @@ class GivenArguments:
             master = pair.master
             self.table[f"{of}.master"] = type(master).__name__
             self.add_attributes(f"{of}.master", master, but=("motion", "shape", "hint", "numbers"))
-            self.table[f"{of}.master.shape"] = master.description()
-            self.table[f"{of}.master.displacement"] = _text(master.displacement)
-            self.table[f"{of}.master.velocity"] = _text(master.velocity)
-            self.table[f"{of}.master.motion"] = "without" if master.motion is None else "with"
+            self.table[f"{of}.master.shape"] = master.description() if places else master.shape_description()
+            if places:
+                self.table[f"{of}.master.displacement"] = _text(master.displacement)
+                self.table[f"{of}.master.velocity"] = _text(master.velocity)
+                self.table[f"{of}.master.motion"] = "without" if master.motion is None else "with"
         else:
             self.table[f"{of}.master"] = f"{pair.master}, {facets_with(self.mesh, pair.facet_tags, pair.master)}"
         for key in ("friction", "search_distance", "remove_penetration", "crease"):
@@ -206,7 +221,8 @@ class GivenArguments:
         """
         topology = V.mesh.topology
         self.table["mesh.cell"] = topology.cell_name()
-        self.table["mesh.degree"] = int(V.element.basix_element.degree)
+        mixed = is_mixed(V)
+        self.table["mesh.degree"] = str(V.ufl_element()) if mixed else int(V.element.basix_element.degree)
         self.table["mesh.degree of the geometry"] = int(V.mesh.geometry.cmap.degree)
         self.table["mesh.num_cells"] = int(topology.index_map(topology.dim).size_global)
         self.table["mesh.num_nodes"] = int(V.dofmap.index_map.size_global)
@@ -216,14 +232,16 @@ class GivenArguments:
         sums = corners.sum(axis=1)
         self.table[f"{SUMS}mesh"] = self._sums(corners.reshape(-1, gdim), sums, sums**2, sums**3)
 
-    def _add_expression(self, name: str, value: Any) -> None:
+    def _add_expression(self, name: str, value: Any, values: bool = True) -> None:
         form = value
         if not isinstance(value, ufl.Form):  # its product with a constant of its shape is a form, and as unique
             one = fem.Constant(self.mesh, np.ones(value.ufl_shape, dtype=default_scalar_type))
             form = ufl.inner(value, one) * ufl.dx(domain=self.mesh)
+        self.table[name] = f"expression {form_signature(form)[:32]}"
+        if not values:
+            return
         constants = form.constants() if form is value else extract_constants(value)
         numbers = [np.asarray(c.value).tolist() for c in constants]
-        self.table[name] = f"expression {form_signature(form)[:32]}"
         self.table[f"{name}.constants"] = short(repr(numbers))
         coefficients = form.coefficients() if form is value else extract_coefficients(value)
         for k, f in enumerate(f for f in coefficients if not any(f is s for s in self._state)):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 
+from ..dynamics.subject import in_time
 from ..io import checkpoint
 from ..io.frames import Frames
 from ..io.gather import Gathered, gather_field
@@ -66,7 +67,7 @@ class FrameSeries:
         arrays = {"displacement": self._displacement.x.array.reshape(-1, 3)[:n], "stress": columns[:n]}
         moment = {"moment": np.array([frame.time, frame.place])}
         name = f"frame_{len(self.names)}"
-        self._saved.add(name, lambda path: checkpoint.write(path, run, arrays, {}, {}, {}, moment))
+        self._saved.add(name, lambda path: checkpoint.write(path, in_time(run), arrays, {}, {}, {}, moment))
         self._keep(name, frame.time, frame.place)
 
     def _keep(self, name: str, time: float, place: float) -> None:
@@ -96,7 +97,7 @@ class FrameSeries:
         run = passage.run
         assert run is not None
         columns: Mapping[str, int] = {"displacement": 3, "stress": len(NAMES)}
-        found = checkpoint.Reader(path, run, columns, {}, {}, {}, ["moment"])
+        found = checkpoint.Reader(path, in_time(run), columns, {}, {}, {}, ["moment"])
         V = run.space
         values = fem.Function(V)
         n = V.dofmap.index_map.size_local

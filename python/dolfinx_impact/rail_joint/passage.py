@@ -17,6 +17,7 @@ from ..common.memory import free_garbage
 from ..common.types import AnyArray, FilePath, FloatArray
 from ..contact import Lagrange, Penalty
 from ..dynamics.explicit import ExplicitProblem
+from ..dynamics.subject import in_time
 from ..io import checkpoint
 from ..io.gather import gather_rows
 from ..statics.problem import StaticProblem
@@ -290,7 +291,7 @@ class Passage:
         cellwise = {
             name: values.reshape(len(values), math.prod(values.shape[1:])) for name, values in self._history.items()
         }
-        checkpoint.write(path, run, arrays, {}, cellwise, {}, {})
+        checkpoint.write(path, in_time(run), arrays, {}, cellwise, {}, {})
 
     def read_carried(self, path: FilePath, numbers: Mapping[str, Any]) -> None:
         """Read what `write_carried` has written. Collective.
@@ -305,7 +306,8 @@ class Passage:
         """
         V = self.model.V
         run = self.run or self._bare(fem.Function(V, name="displacement"))
-        found = checkpoint.Reader(path, run, dict.fromkeys(numbers["fields"], 3), {}, numbers["history"], {}, ())
+        fields = dict.fromkeys(numbers["fields"], 3)
+        found = checkpoint.Reader(path, in_time(run), fields, {}, numbers["history"], {}, ())
         for name, values in found.arrays.items():
             f = fem.Function(V)
             f.x.array[: values.size] = values.ravel()

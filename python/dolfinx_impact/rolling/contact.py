@@ -327,6 +327,23 @@ class RollingContact(LagrangeContact):
         state.add("friction_power", _cpp.state.Place.all, self._friction_power)
         return state
 
+    def saved_state(self) -> _cpp.state.State:
+        """What a sweep's file holds of the last converged state, values of its own."""
+        saved = super().saved_state()
+        saved.add("slip_velocity", _cpp.state.Place.node, self._slip_velocity.copy())
+        saved.add("friction_power", _cpp.state.Place.all, self._friction_power.copy())
+        return saved
+
+    def resume(self, saved: _cpp.state.State, u: FloatArray) -> None:
+        """Continue from what `saved_state` has returned. Collective.
+
+        Args:
+            saved: the state.
+            u: displacements that belong to it, owned and ghost dofs [L].
+        """
+        super().resume(saved, u)
+        self.slip_velocity, self.friction_power = saved.array("slip_velocity"), saved.array("friction_power")[0]
+
     def accept_step(self) -> None:
         """The increment has converged. Collective."""
         gap = self.geometry.gap

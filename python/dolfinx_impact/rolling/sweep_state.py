@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import _cpp
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
-from ..contact.saved_history import SavedHistory
-from .contact import RollingContact
+from ..contact.saved_contacts import add_contacts, resume_contacts
+from ..io.state_file import Block, Place, State, blocks
 
 if TYPE_CHECKING:
     from ..statics.problem import StaticProblem
@@ -33,12 +34,13 @@ class SweepState:
         """Values at the nodes of every cell, by its number in the mesh's input, (cells, nodes, columns): displacement,
         then what the contacts remember at slave nodes; and totals of the contacts, (n). On rank 0, else None.
         Collective."""
-        V, histories = self._problem.space, self._histories()
+        V, (nodal, totals) = self._problem.space, _blocks(self._contacts())
         num, bs = V.dofmap.index_map.size_local, V.dofmap.index_map_bs
         columns = [self._problem.u.x.array[: num * bs].reshape(-1, bs)]
-        for saved in histories:
-            rows = np.zeros((num, saved.width()))
-            rows[saved.keys] = saved.table()
+        for block in nodal:
+            values = block.values()
+            rows = np.zeros((num, values.shape[1]))
+            rows[block.numbers] = values
             columns.append(rows)
         table = self._with_ghosts(np.hstack(columns))
         numbers, dofs = self._cells()
@@ -46,8 +48,8 @@ class SweepState:
         if found is None:
             return None
         order = np.argsort(np.concatenate([n for n, _ in found]))
-        totals = np.concatenate([np.zeros(0), *(saved.flat_totals() for saved in histories)])
-        return np.concatenate([rows for _, rows in found])[order], totals
+        flat = np.concatenate([np.zeros(0), *(block.values() for block in totals)])
+        return np.concatenate([rows for _, rows in found])[order], flat
 
     def set(self, table: FloatArray, totals: FloatArray) -> None:
         """Set displacement and contacts. Collective.
@@ -67,40 +69,37 @@ class SweepState:
         sums, counts = self._sum(values), self._sum(known)
         values = self._with_ghosts(np.where(known > 0.0, values, sums / np.maximum(counts, 1.0)))
         u.array[:] = values[:, :bs].ravel()
-        start = 0
-        for contact, saved in zip(self._problem.contact, self._histories()):
-            end, size = first + saved.width(), len(saved.flat_totals())
-            saved.columns = saved.split(np.ascontiguousarray(values[saved.keys, first:end]))
-            saved.totals = saved.split_totals(totals[start : start + size])
-            if isinstance(contact, RollingContact):
-                contact.slip_velocity = saved.columns.pop("slip_velocity")
-                contact.friction_power = float(saved.totals.pop("friction_power")[0])
-            contact.restore_history(saved, u.array)
-            first, start = end, start + size
+        start, saved = 0, self._contacts()
+        nodal, of_contacts = _blocks(saved)
+        for block in nodal:
+            end = first + sum(block.widths)
+            block.assign(np.ascontiguousarray(values[block.numbers, first:end]))
+            first = end
+        for block in of_contacts:
+            end = start + sum(block.widths)
+            block.assign(totals[start:end])
+            start = end
+        resume_contacts(saved, self._problem.contact, u.array)
         self._settle()
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Shape of the table that `read` returns."""
         V = self._problem.space
-        width = V.dofmap.index_map_bs + sum(saved.width() for saved in self._histories())
+        width = V.dofmap.index_map_bs + sum(sum(block.widths) for block in _blocks(self._contacts())[0])
         topology = V.mesh.topology
         return int(topology.index_map(topology.dim).size_global), V.dofmap.list.shape[1], width
 
     @property
     def num_totals(self) -> int:
         """Number of totals that `read` returns."""
-        return sum(len(saved.flat_totals()) for saved in self._histories())
+        return sum(sum(block.widths) for block in _blocks(self._contacts())[1])
 
-    def _histories(self) -> list[SavedHistory]:
-        found = []
-        for contact in self._problem.contact:
-            saved = contact.save_history()
-            if isinstance(contact, RollingContact):
-                saved.columns["slip_velocity"] = contact.slip_velocity
-                saved.totals["friction_power"] = np.array([contact.friction_power])
-            found.append(saved)
-        return found
+    def _contacts(self) -> _cpp.state.State:
+        """States of the contacts, with values of their own."""
+        out = State("contacts")
+        add_contacts(out, self._problem.contact)
+        return out
 
     def _cells(self) -> tuple[IntArray, IntArray]:
         """Numbers in the input, and nodes, of this rank's owned cells."""
@@ -118,3 +117,9 @@ class SweepState:
     def _sum(self, rows: FloatArray) -> FloatArray:
         """Sums of the values of all ranks at owned nodes and ghosts. Collective."""
         return NodalSum(self._problem.space.dofmap.index_map, rows.shape[1])(rows)
+
+
+def _blocks(contacts: _cpp.state.State) -> tuple[list[Block], list[Block]]:
+    """Values at slave nodes, and totals, of the states of contacts in their order."""
+    found = list(blocks(contacts))
+    return [b for b in found if b.place == Place.node], [b for b in found if b.place == Place.all]

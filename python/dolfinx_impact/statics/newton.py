@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from dolfinx.fem import Function, FunctionSpace
 from petsc4py import PETSc
 
 from .. import _cpp
@@ -16,52 +17,54 @@ from ..common.types import FloatArray, IntArray
 from ..contact.mortar.lagrange import LagrangeContact
 from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 from .bodies import assemble_residual
+from .body import Body
 from .load_steps import StepLog
 
 if TYPE_CHECKING:
     from .equilibrium_problem import EquilibriumProblem
 
 
-def equilibrium_of(problem: EquilibriumProblem) -> Any:
-    """Bodies and contacts of a problem as C++ sees them.
+def body_in_cpp(
+    u: Function, body: Body, rounds_positions: bool, stored_energy: Callable[[], float | None] | None = None
+) -> _cpp.solve.Body:
+    """Bodies as Newton's method in C++ sees them.
 
     Args:
-        problem: the problem.
-
-    Returns:
-        EquilibriumProblem (C++).
+        u: displacement function [L].
+        body: bodies.
+        rounds_positions: whether round-off of positions enters the forces.
+        stored_energy: function that returns the energy that is stored in the bodies at the last residual, None where it
+            is not known [F L]; or None.
     """
-    u, body = problem.u, problem.body
     b = body.vector()
 
     def origin() -> FloatArray:
         return np.zeros(0) if body.origin is None else body.origin
 
-    bodies = _cpp.solve.FunctionBody(
+    return _cpp.solve.FunctionBody(
         residual=lambda: assemble_residual(u, body, b),
         tangent=lambda: body.tangent.assemble(),
-        fault=body.fault,
-        accept_step=body.accept_step,
+        fault=lambda: body.fault(),
+        accept_step=lambda: body.accept_step(),
         origin=origin if body.has_inertia else None,
+        stored_energy=stored_energy,
         linear=body.linear,
+        keeps_tangent=body.keeps_tangent,
         symmetric=body.symmetric,
         inelastic=body.inelastic,
         has_inertia=body.has_inertia,
         has_springs=body.has_springs,
-        rounds_positions=problem.material is not None,
+        rounds_positions=rounds_positions,
     )
-    fields = [d.astype(np.int32).tolist() for d in field_dofs(problem.space)] if is_mixed(problem.space) else []
-    return _cpp.solve.EquilibriumProblem(
-        u._cpp_object,
-        bodies,
-        [contact_in_cpp(contact) for contact in problem.contact],
-        problem.fixed,
-        problem.linear_solver._cpp_object,
-        problem.axisymmetric,
-        problem.keeps_multipliers,
-        problem.exact_tangent,
-        fields,
-    )
+
+
+def field_numbers(V: FunctionSpace) -> list[Any]:
+    """Owned degrees of freedom of each field of a mixed space; none for other spaces.
+
+    Args:
+        V: space.
+    """
+    return [d.astype(np.int32).tolist() for d in field_dofs(V)] if is_mixed(V) else []
 
 
 def contact_in_cpp(contact: Any) -> _cpp.enforcement.StaticContact:
@@ -100,7 +103,7 @@ class Newton(Described):
         self.problem, self._tell = problem, tell
         options = _cpp.solve.NewtonOptions().with_database(problem.linear_solver.prefix)
         options.rtol, options.atol, options.max_iterations = rtol, atol, max_iterations
-        self.equilibrium = equilibrium_of(problem)
+        self.equilibrium = problem.equilibrium
         self._cpp_object = _cpp.solve.Newton(self.equilibrium, options)
 
     def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:

@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.curvature import check_curvature, is_displacement
@@ -30,6 +31,7 @@ from .bodies import assemble_residual, make_body
 from .body import Body, BodyTangent
 from .inelastic_body import InelasticBody
 from .linear_solver import LinearSolver
+from . import newton
 from ..io.mesh_check import check_cells
 from .snes import Solver
 from .load_steps import Report, run_steps
@@ -42,6 +44,7 @@ from ..materials import MaterialMap, _Material
 from ..recording.field_arguments import check_fields
 from ..recording.output_options import output_options
 from .load_step_recorder import LoadStepRecorder
+from .restart import Solves, StaticRestart
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
@@ -86,6 +89,8 @@ class StaticProblem(Unique):
         recorders: recorders that write during a solve.
         keeps_multipliers: whether multipliers stay in the linear systems; otherwise they are condensed.
         num_owned: number of degrees of freedom that this rank owns [1].
+        residual_form: as `residual`.
+        solves: how far the problem has come.
 
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
@@ -142,8 +147,8 @@ class StaticProblem(Unique):
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads, bodies, tangent, evaluate, accept)
         self._b = self.body.vector()
-        # Whether the signs of a residual of one's own are still to be checked, in the state of the first solve.
-        self._unchecked = residual is not None and is_displacement(V)
+        self.residual_form = residual
+        self.solves = Solves(signs_are_checked=residual is None or not is_displacement(V))
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         dofs = [bc.dof_indices()[0] for bc in self.bcs]
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
@@ -160,6 +165,7 @@ class StaticProblem(Unique):
         # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
         # order of pressure over stiffness.
         self.exact_tangent = self.linear_solver.direct
+        self._restart = StaticRestart(self)
 
     @property
     def tangent(self) -> BodyTangent:
@@ -246,11 +252,64 @@ class StaticProblem(Unique):
             ranks.same(output=options)
         return LoadStepRecorder(self, path, names, every, options)
 
+    def save(self, path: FilePath) -> None:
+        """Write a checkpoint in HDF5 with everything that the next solve starts from. Collective.
+
+        The file is written as PATH.part and then renamed. If writing fails, an earlier file at `path` is not changed.
+
+        Args:
+            path: file to write.
+
+        Raises:
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the folder cannot be written, or no space is left; on all ranks.
+            ValueError: a solve is under way, or u is on a mixed space with other values than those at nodes; on all
+                ranks.
+        """
+        self._restart.save(path)
+
+    def restore(self, path: FilePath) -> None:
+        """Continue from a checkpoint of the same problem, written on any number of ranks. Collective.
+
+        Mesh, materials, contacts and options of contacts must be the same, loads and obstacles of the same kinds in the
+        same order, and the same degrees of freedom prescribed. Values of loads, boundary conditions and obstacles are
+        what the next solve leads to, from those that were reached: set them before or after. What a residual of your
+        own reads, and what `evaluate` and `accept` keep, is not in the file.
+
+        The next solve goes on bit for bit on the rank count that wrote the file, if DOLFINx numbers the mesh in the
+        same way and the linear solver adds up in the same order, as on one rank; else to the solver's tolerance.
+
+        Args:
+            path: file that `save` has written.
+
+        Raises:
+            TypeError: `path` is no name of a file; on all ranks.
+            RuntimeError: the file cannot be read, or is damaged; on all ranks.
+            ValueError: the file belongs to another mesh, material, ..., or a solve is under way; on all ranks. The
+                problem is then unchanged.
+        """
+        self._restart.restore(path)
+
     # --- residuals -------------------------------------------------------------------------------------------------
 
     def assemble_residual(self) -> PETSc.Vec:
         """Assemble internal minus external forces, without contact; owned entries are complete [F]. Collective."""
         return assemble_residual(self.u, self.body, self._b)
+
+    @property
+    def equilibrium(self) -> Any:
+        """Bodies and contacts as Newton's method in C++ sees them, EquilibriumProblem (C++)."""
+        return _cpp.solve.EquilibriumProblem(
+            self.u._cpp_object,
+            newton.body_in_cpp(self.u, self.body, self.material is not None),
+            [newton.contact_in_cpp(contact) for contact in self.contact],
+            self.fixed,
+            self.linear_solver._cpp_object,
+            self.axisymmetric,
+            self.keeps_multipliers,
+            self.exact_tangent,
+            newton.field_numbers(self.space),
+        )
 
     def reactions(self) -> fem.Function:
         """Residual of equilibrium: support forces at prescribed degrees of freedom, round-off elsewhere. Collective.
@@ -322,13 +381,17 @@ class StaticProblem(Unique):
             ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
         for contact in self.contact:
             contact.check_parameters()
-        if self._unchecked:
+        if not self.solves.signs_are_checked:
             check_curvature(self.tangent.assemble(), ~self.fixed[: self.num_owned])
-            self._unchecked = False
-        with Interrupts(self.space.mesh.comm) as interrupts:
-            with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
-                report = run_steps(self, solver, steps, most, verbose, bool(progress))
-            interrupts.check()
+            self.solves.signs_are_checked = True
+        self.solves.under_way = True
+        try:
+            with Interrupts(self.space.mesh.comm) as interrupts:
+                with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
+                    report = run_steps(self, solver, steps, most, verbose, bool(progress))
+                interrupts.check()
+        finally:
+            self.solves.under_way = False
         self.linear_solver.warn_of_unused()
         self._rotation_warning.look(self.u, stacklevel=2)
         return report

@@ -173,7 +173,7 @@ class Solver:
         """Internal minus external and contact forces at u, over owned degrees of freedom [F], and number of changes of
         contact status. Collective."""
         p, changes = self.problem, 0
-        b = p.assemble_residual()
+        b = self.equilibrium.body.residual()
         for contact in p.contact:
             contact.update_gap(p.u.x.array)
             contact.add_residual(b)
@@ -216,7 +216,7 @@ class Solver:
         """Assemble the tangent at x, which need not be where PETSc has evaluated the function last. Collective."""
         self._copy_to_u(x)
         self._residual()
-        K = self.problem.tangent.assemble()
+        K = self.equilibrium.body.tangent()
         diagonal = K.getDiagonal()
         J.zeroEntries()
         J.axpy(1.0, K, PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
@@ -236,7 +236,7 @@ class Solver:
         """
         p, newton, result = self.problem, self._newton, _cpp.solve.Increment()
         residual, self._changes = self._residual()
-        K = p.tangent.assemble()
+        K = self.equilibrium.body.tangent()
         loose = newton.unconstrained_modes(K) if p.contact else ""
         if loose:
             return result.failed(loose, hopeless=True)
@@ -267,7 +267,7 @@ class Solver:
                 log.iteration(iteration, norm, scale, size, result.changes[-1])
             self._changes = 0
             result.iterations += self.snes.getIterationNumber()
-            unsolved = p.body.fault()
+            unsolved = self.equilibrium.body.fault()
             if unsolved:
                 return result.failed(unsolved)
             reason = self.snes.getConvergedReason()
@@ -278,13 +278,13 @@ class Solver:
             if faults:
                 return result.failed("; ".join(faults), hopeless=True)
             if not again:
-                if not newton.fields_balance(K, p.assemble_residual().array.copy()):
+                if not newton.fields_balance(K, self.equilibrium.body.residual().array.copy()):
                     return result.failed(
                         f"SNES of type {self.snes.getType()} has converged in one norm of all fields, in which the "
                         "equation of one does not hold yet: take the package's own method (leave out snes_type)",
                         hopeless=True,
                     )
-                bodies = p.assemble_residual().array.copy()
+                bodies = self.equilibrium.body.residual().array.copy()
                 missing = _cpp.solve.out_of_balance(newton.equilibrium, bodies, max(tolerance, float(norms[-1])))
                 if missing:
                     return result.failed(missing, hopeless=True)

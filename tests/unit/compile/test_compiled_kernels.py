@@ -130,7 +130,7 @@ steel = di.J2Plasticity(E=207e9, nu=0.3, density=7800.0, yield_stress=5e8, harde
 @pytest.mark.parametrize("name, cell, counterparts", (
     ("rubber", "hexahedron", {"force": "neo_hookean.force", "tangent": "neo_hookean.tangent",
                               "energy": "neo_hookean.energy", "mass": "mass"}),
-    ("steel", "quadrilateral", {"force": "j2.small.linear", "elastic_tangent": "linear_elastic.tangent",
+    ("steel", "quadrilateral", {"force": "j2.small.linear.force", "elastic_tangent": "linear_elastic.tangent",
                                 "mass": "mass"}),
 ), ids=("elastic", "inelastic"))  # fmt: skip
 def test_materials(name, cell, counterparts, tmp_path, rng):

@@ -156,6 +156,6 @@ def check_from_far_away():
         problem = plates.problem(method, 0.95)
         for k in range(14):
             problem.advance((k + 1) * plates.dt, dt=plates.dt, progress=False)
-            problem._cpp_object.save()  # searches anew, as a checkpoint does
+            problem._cpp_object.integrator.saved_state()  # searches anew, as a checkpoint does
         problem.advance(40 * plates.dt, dt=plates.dt, progress=False)
         assert plates.mean(problem, problem.velocity, plates.upper)[-1] > 0.0, method

@@ -50,8 +50,7 @@ def follow(comm, cell, degree, options, always, keep=False):
         else:
             f = model.forces(u, u - before, search=search)
         before = u
-        h = model.contact.history()
-        rows.append((f.copy(), h["closed"].copy()))
+        rows.append((f.copy(), model.contact.saved_state().array("closed").copy()))
     return model, rows
 
 

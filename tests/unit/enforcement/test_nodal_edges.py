@@ -179,11 +179,11 @@ def test_rigid_forces():
         model.contact.set_obstacle([1e-4, 0, 0], [1e-4, 0, 0])
         moved = u + [1e-4, 0, 0]
         model.forces(moved, moved - u, search=False)
-        tangential = model.contact.history()["tangential"]
+        tangential = model.contact.saved_state().array("tangential")
         assert np.abs(tangential).max() < 1e-9 * np.abs(model.contact.force).max()
         model.contact.set_obstacle([2e-4, 0, 0], [1e-4, 0, 0])
         model.forces(moved, 0 * u, search=False)
-        assert np.all(model.contact.history()["tangential"][closed, 0] > 0)
+        assert np.all(model.contact.saved_state().array("tangential")[closed, 0] > 0)
 
 
 @pytest.mark.parametrize("options", ({"friction": 0.3}, {"kinematic": True, "friction": 0.3}))
@@ -195,12 +195,11 @@ def test_checkpoint(options):
         driver = Driver(model, speed=0.2)
         driver.run(150)
         if stop:
-            kept, energy = model.contact.history(), model.contact.energy()
+            kept = model.contact.saved_state()
             model, _ = straight("hexahedron", gap=0.003, **options)
             again = Driver(model)
             again.u, again.v = driver.u, driver.v
-            model.contact.set_history(kept)
-            model.contact.set_energy(**energy)
+            model.contact.resume(kept)
             driver = again
         driver.run(150)
         runs.append((driver.u, driver.v, model.contact.results()["slip"], model.contact.energy()["friction"]))

@@ -24,12 +24,12 @@ def leaving(model, rng, absorbed=1.0, impulse=1e9, share=1.0):
     if hasattr(model, "obstacle"):
         start[:, -1] -= 0.1
     model.correct(start, np.zeros_like(start))
-    history = model.contact.history()
+    state = model.contact.saved_state()
     closed = model.contact.results()["status"] > 0
     assert np.count_nonzero(closed) >= 3
-    history["absorbed_energy"] = np.where(closed, rng.uniform(0.0, absorbed, len(closed)), 0.0)
-    history["impulse"] = np.where(closed, impulse, 0.0)
-    model.contact.set_history(history)
+    state.array("absorbed_energy")[:] = np.where(closed, rng.uniform(0.0, absorbed, len(closed)), 0.0)
+    state.array("impulse")[:] = np.where(closed, impulse, 0.0)
+    model.contact.resume(state)
     du = rng.normal(0.0, 2e-3, start.shape)
     du[model.slave_body, -1] += 0.05 if not hasattr(model, "obstacle") else 0.3
     u, f = model.spread(start + du), np.zeros((model.halo.num_nodes, model.dim))
@@ -37,7 +37,7 @@ def leaving(model, rng, absorbed=1.0, impulse=1e9, share=1.0):
         model.halo, u.reshape(-1), model.spread(du).reshape(-1), model.inverse, model.dt**2, model.dt, f.reshape(-1),
         share,
     )  # fmt: skip
-    return start, u[: model.num] - start, f[: model.num], share * history["absorbed_energy"].sum()
+    return start, u[: model.num] - start, f[: model.num], share * state.array("absorbed_energy").sum()
 
 
 @CELLS
@@ -80,7 +80,7 @@ def test_it_is_given_back_once():
     model = moved_obstacle("quadrilateral", kinematic=True)
     start, du, f, _ = leaving(model, np.random.default_rng(3))
     assert np.abs(f).max() > 0.0
-    history = model.contact.history()
-    assert not history["absorbed_energy"].any() and not history["impulse"].any()
+    state = model.contact.saved_state()
+    assert not state.array("absorbed_energy").any() and not state.array("impulse").any()
     _, f = model.correct(start + 2 * du, du, search=False)
     assert not f.any() and not model.contact.results()["status"].any()

@@ -63,7 +63,7 @@ def check_static_springs_go_on():
     static, bcs, loads, contact = blocks(1e9, penalty=1e6, springs=1e6)
     static.solve()
     run = di.ExplicitProblem.from_static(static, bcs=bcs, loads=loads, contact=contact)
-    assert not np.any(run.contact[0].sides()[0].history()["spring_offset"])
+    assert not np.any(run.contact[0].sides()[0].saved_state().array("spring_offset"))
     run.advance(2.0 / np.sqrt(2e5))
     # One method integrates the overlap over facets, the other one has it at nodes: that moves a part of the force at
     # the upper block's corners, where the pressure has its peaks.

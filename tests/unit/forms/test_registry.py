@@ -5,6 +5,7 @@ import pytest
 import ufl
 
 from dolfinx_impact.forms import registration, registry
+from dolfinx_impact.forms.catalogue import damping, plasticity
 from dolfinx_impact.forms.compiler import emit, frontend
 from dolfinx_impact.forms.materials import HYPOTHESES, LAWS
 
@@ -71,16 +72,30 @@ def test_every_cell_and_degree_has_the_laws():
             assert {(f"{law}.force", cell, degree) in held for degree in registry.DEGREES} == {True}
 
 
-@pytest.mark.parametrize("name", [name for name in registry.FORMS if name not in registry.NAMES])
+@pytest.mark.parametrize("name", plasticity.NAMES)
 def test_forms_with_internal_variables_have_point_laws(name):
     """They are no part of what verify compares element by element."""
     built = registry.build(name, "hexahedron", 1)
     if name == "elastic_stiffness.finite":
         assert built.law is None and len(built.form.arguments()) == 2
+        return
+    assert name.startswith("j2.") and list(built.names.values())[:3] == ["E", "nu", "yield_stress"]
+    variables = {"plastic_strain", "plastic_strain_tensor"}
+    if name.endswith("tangent"):  # reads them beside the direction, and changes none
+        unknown = set() if ".linear." in name else {"local_unknown"}
+        assert built.law is None and len(built.form.arguments()) == 1
+        assert variables | unknown | {"u", "direction of the tangent"} <= set(built.names.values())
     else:
-        assert name.startswith("j2.") and {"plastic_strain", "plastic_strain_tensor"} <= set(built.law.outputs)
-        assert (built.law.unknown is None) == name.endswith("linear") and set(built.law.sums) == {"elastic"}
-        assert list(built.names.values())[:3] == ["E", "nu", "yield_stress"]
+        assert variables <= set(built.law.outputs) and set(built.law.sums) == {"elastic"}
+        assert (built.law.unknown is None) == (".linear." in name)
+
+
+@pytest.mark.parametrize("name", damping.OF_STEPS)
+def test_forms_that_resist_a_motion(name):
+    built = registry.build(name, "quadrilateral", 1)
+    names = [built.names[c] for c in built.form.coefficients()]
+    assert sorted(names) == (["velocity"] if name.startswith("linear") else ["u", "velocity"])
+    assert len(built.form.arguments()) == 1 and name not in registry.NAMES
 
 
 def test_given_rule_and_degree_are_used():

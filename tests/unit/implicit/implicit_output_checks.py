@@ -110,13 +110,13 @@ def check_plastic_steps_that_are_halved():
         v = fem.Function(V)
         v.interpolate(lambda x: np.vstack([4.0 * x[0], 0.0 * x[0]]))
         problem = di.NewmarkProblem(fem.Function(V), law, velocity=v)
-        attempt = problem.stepper._attempt
+        solve = problem.stepper._solve
 
-        def fails(step, *others, attempt=attempt):
-            increment, motion = attempt(step, *others)
-            return (increment.failed("made to fail") if step > 0.015 else increment), motion
+        def fails(target, stepper=problem.stepper, solve=solve):
+            increment = solve(target)
+            return increment.failed("made to fail") if stepper.control.last > 0.015 else increment
 
-        problem.stepper._attempt = fails
+        problem.stepper._solve = fails
         problem.advance(0.02, dt, progress=False)
         assert problem.step == 2 and problem.stepper.cut_backs == int(dt == 0.02)
         histories.append(problem.history["plastic_strain"].values.copy())

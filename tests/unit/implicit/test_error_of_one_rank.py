@@ -32,7 +32,6 @@ u, load = fem.Function(V), di.BodyForce((0.0, -1.0))
 if kind == "static":
     top = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[1], 1.0))
     p = di.StaticProblem(u, law, bcs=[*bcs, fem.dirichletbc(np.array([0.0, -1e-3]), top, V)], contact=contact)
-    equations = p
     run = lambda: p.solve()
 elif kind == "explicit":
     p = di.ExplicitProblem(u, law, velocity=fem.Function(V), bcs=bcs, loads=[load], contact=contact)
@@ -40,14 +39,13 @@ elif kind == "explicit":
     recorder = p.record(V.mesh.comm.bcast(tempfile.mkdtemp()), every=1)
 else:
     p = di.NewmarkProblem(u, law, velocity=fem.Function(V), bcs=bcs, loads=[load], contact=contact)
-    equations = p.equations
     run = lambda: p.advance(p.time + 0.02, dt=0.01, progress=False)
 run()
 owner, name = {
-    "residual": lambda: (equations.body, "add_residual"),
-    "tangent": lambda: (equations.tangent, "assemble"),
+    "residual": lambda: (p.body, "add_residual"),
+    "tangent": lambda: (p.body.tangent, "assemble"),
     "contact": lambda: (p.contact[0], "update_gap"),
-    "fault": lambda: (equations.body, "fault"),
+    "fault": lambda: (p.body, "fault"),
     "recorder": lambda: (recorder, "after"),
 }[stage]()
 if MPI.COMM_WORLD.rank == 1:

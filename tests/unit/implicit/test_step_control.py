@@ -3,7 +3,9 @@
 
 import pytest
 
-from dolfinx_impact.dynamics.implicit.step_control import FEW, MANY, StepControl
+from dolfinx_impact._cpp.integrators import StepControl
+
+FEW, MANY = StepControl.few, StepControl.many
 
 
 def take(control, goal, iterations=3, error=None, limit=1000):

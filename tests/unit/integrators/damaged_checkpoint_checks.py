@@ -17,9 +17,15 @@ LAST = COMM.rank == COMM.size - 1
 FLIPS = 500
 
 
+def arrays(side):
+    """State of a side of a contact by name."""
+    state = side.saved_state()
+    return {name: state.array(name) for name in state.names}
+
+
 def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
-    saved = problem._cpp_object.save()
+    saved = problem._cpp_object.integrator.saved_state()
     parts = [
         state(problem),
         [
@@ -30,10 +36,11 @@ def everything(problem):
             problem._history.largest,
         ],
     ]
-    parts += [*saved["arrays"].values(), *(list(saved[table].values()) for table in ("works", "common"))]
+    for part in (saved, saved.part("works"), saved.part("common")):
+        parts += [np.ravel(part.array(name)) for name in part.names]
     for contact in problem.contact:
         for side in contact.sides():
-            parts += [np.ravel(values) for values in side.history().values()] + [list(side.energy().values())]
+            parts += [np.ravel(values) for values in arrays(side).values()]
     return np.concatenate([np.asarray(part, dtype=float) for part in parts])
 
 

@@ -16,7 +16,6 @@ from over_ranks import largest
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
-from dolfinx_impact.dynamics import time_stepper
 from dolfinx_impact.common.collective import common
 from dolfinx_impact.common.interrupts import Interrupts
 from dolfinx_impact.statics import newton
@@ -75,11 +74,18 @@ class At:
         pass
 
 
-def go_on_from(problem, end, variant):
+def often_checked(**variant):
+    """A problem whose stiffness is looked at again every 20 steps."""
+    problem = block_on_block(**variant)
+    problem._cpp_object.safe_step.longest_interval = 20
+    return problem
+
+
+def go_on_from(problem, end, variant, make=block_on_block):
     """States at the end of the run that was left, and of one that is restored from its checkpoint."""
     with shared_folder() as path:
         problem.save(path / "left.h5")
-        again = block_on_block(**variant)
+        again = make(**variant)
         again.restore(path / "left.h5")
         assert again.step == problem.step and again.time == problem.time
         np.testing.assert_array_equal(state(again), state(problem))
@@ -102,7 +108,7 @@ def check_ctrl_c_within_a_piece():
         step = problem.step
         assert len(set(COMM.allgather(step))) == 1 and step > 1
         assert len(problem.energy_history) == step
-        assert problem.time == problem._stepper.schedule.times(np.array(step))
+        assert problem.time == problem._stepper.schedule.time(step)
 
         other = block_on_block(**variant)
         At(other, step, reach)
@@ -119,29 +125,25 @@ def check_ctrl_c_within_a_piece():
 def check_left_in_a_callback_and_gone_on():
     """By Ctrl-C or an exception on one rank, at a step at which stiffness is looked at again: what is left goes on as
     if nothing had been, and so does its checkpoint."""
-    wanted, time_stepper.RECHECK = time_stepper.RECHECK, 20
-    try:
-        for variant in VARIANTS[1:]:
-            whole = block_on_block(**variant)
-            end = 32 * whole.stable_step()
-            whole.advance(end, progress=False, callback=lambda p: None)
-            for what, kind in ((press, KeyboardInterrupt), (lambda: 1 / (0 if LAST else 1), ZeroDivisionError)):
+    for variant in VARIANTS[1:]:
+        whole = often_checked(**variant)
+        end = 32 * whole.stable_step()
+        whole.advance(end, progress=False, callback=lambda p: None)
+        for what, kind in ((press, KeyboardInterrupt), (lambda: 1 / (0 if LAST else 1), ZeroDivisionError)):
 
-                def leave(problem, what=what):
-                    if problem.step == 20:
-                        what()
+            def leave(problem, what=what):
+                if problem.step == 20:
+                    what()
 
-                problem = block_on_block(**variant)
-                with pytest.raises(kind):
-                    problem.advance(end, callback=leave, progress=False)
-                assert problem.step == 20 and len(problem.energy_history) == 20
-                # Writing a checkpoint looks for contact anew: that of the run itself to round-off.
-                left, restored = go_on_from(problem, end, variant)
-                np.testing.assert_array_equal(left, restored)
-                assert problem.step == whole.step
-                np.testing.assert_allclose(left, state(whole), rtol=1e-6, atol=1e-7)
-    finally:
-        time_stepper.RECHECK = wanted
+            problem = often_checked(**variant)
+            with pytest.raises(kind):
+                problem.advance(end, callback=leave, progress=False)
+            assert problem.step == 20 and len(problem.energy_history) == 20
+            # Writing a checkpoint looks for contact anew: that of the run itself to round-off.
+            left, restored = go_on_from(problem, end, variant, often_checked)
+            np.testing.assert_array_equal(left, restored)
+            assert problem.step == whole.step
+            np.testing.assert_allclose(left, state(whole), rtol=1e-6, atol=1e-7)
 
 
 @with_ctrl_c
@@ -151,13 +153,15 @@ def check_a_function_of_time_that_fails():
     dt = 0.9 * problem.stable_step()
     problem.advance(200 * dt, progress=False)
     before = state(problem)
-    inner = problem._functions.amplitudes[0]._function
-    problem._functions.amplitudes[0]._function = lambda t: np.array([np.nan]) if LAST and t > 210 * dt else inner(t)
+    inner = problem._stepper.functions.amplitudes[0]._function
+    problem._stepper.functions.amplitudes[0]._function = lambda t: (
+        np.array([np.nan]) if LAST and t > 210 * dt else inner(t)
+    )
     with pytest.raises(ValueError, match="functions|amplitude|nan"):
         problem.advance(400 * dt, progress=False)
     assert problem.step == 200
     np.testing.assert_array_equal(state(problem), before)
-    problem._functions.amplitudes[0]._function = inner
+    problem._stepper.functions.amplitudes[0]._function = inner
     problem.advance(400 * dt, progress=False)
     assert np.all(np.isfinite(state(problem)))
 

@@ -8,7 +8,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact.dynamics.input_changes import EFFECT, InputChanges
+from dolfinx_impact._cpp.problems import InputChanges
 
 COMM = MPI.COMM_WORLD
 CELLS = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
@@ -44,24 +44,29 @@ class Looks:
     """What a run's steps are to the stable step, every few steps, and how often that was found."""
 
     def __init__(self, problem, every=3, set_values=None):
-        self.worst, self.cells, self.times = 0.0, 0, 0
-        self._every, self._set_values = every, set_values
-        found = problem.frequencies_by_cell
+        self.worst, self._every, self._set_values = 0.0, every, set_values
+        self._problem = problem
+        self._own = np.array(self._counted())  # before the run, and by this object
 
-        def counted(only=None):
-            squares, rates = found(only)
-            self.cells += problem.comm.allreduce(len(squares))
-            self.times += 1
-            return squares, rates
+    def _counted(self):
+        frequencies = self._problem._frequencies._cpp_object
+        return frequencies.num_looks, frequencies.num_cells_looked_at
 
-        vars(problem)["frequencies_by_cell"] = counted
-        self._problem, self._found = problem, found
+    @property
+    def times(self):
+        return self._counted()[0] - self._own[0]
+
+    @property
+    def cells(self):
+        return self._problem.comm.allreduce(int(self._counted()[1] - self._own[1]))
 
     def __call__(self, problem):
         if self._set_values is not None:
             self._set_values(problem.time)
         if problem.step and problem.step % self._every == 0:
-            steps = problem.steps_by_cell(*self._found())
+            before = np.array(self._counted())
+            steps = problem.steps_by_cell(*problem.frequencies_by_cell())
+            self._own += np.array(self._counted()) - before
             smallest = problem.comm.allreduce(float(np.min(steps, initial=np.inf)), MPI.MIN)
             self.worst = max(self.worst, problem._stepper.schedule.dt / smallest)
 
@@ -158,7 +163,7 @@ def check_what_is_allowed_follows_from_effects():
     strong.add(0.4)
     assert strong.due
     strong.done(1.0, 0.5)
-    assert strong.allowed == pytest.approx(EFFECT * 0.4 / (1.5 * 2 * np.log(2)))
+    assert strong.allowed == pytest.approx(InputChanges.effect * 0.4 / (1.5 * 2 * np.log(2)))
     strong.add(0.011)
     strong.done(1.0, 1e-9)
     assert strong.allowed == 0.01

@@ -70,7 +70,7 @@ text = told(lambda: problem.advance(5000 * dt, progress=False))
 assert "cannot be written" in text and str(folder / "run") in text and "make room" in text, text
 step = problem.step
 assert 100 <= step < 5000 and len(problem.energy_history) == step
-assert np.array_equal(problem.u.x.array[: problem.num_owned], problem._cpp_object.displacement())
+assert np.array_equal(problem.u.x.array[: problem.num_owned], problem._cpp_object.integrator.displacement())
 there = rows()
 assert before[0] <= there[0] <= step
 if case == "histories":

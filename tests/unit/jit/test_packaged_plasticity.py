@@ -59,7 +59,7 @@ def no_compiler(monkeypatch):
 def test_first_use_calls_no_compiler(row, no_compiler):
     problem = thrown(*row)
     state(problem, 2)
-    assert {part.compiled.source for part in problem._internal._parts} == {"package"}
+    assert {part.compiled.source for part in problem._bodies.internal._parts} == {"package"}
     assert problem.history["plastic_strain"].values.max() > 0.0
 
 
@@ -80,8 +80,8 @@ def test_packaged_kernels_are_those_compiled_at_run_time(row, monkeypatch):
         patch.setattr(_cpp.kernels, "find_signature", lambda key: [])
         compiled = thrown(*row)
         found = state(compiled)
-    assert {part.compiled.source for part in packaged._internal._parts} == {"package"}
-    assert "package" not in {part.compiled.source for part in compiled._internal._parts}
+    assert {part.compiled.source for part in packaged._bodies.internal._parts} == {"package"}
+    assert "package" not in {part.compiled.source for part in compiled._bodies.internal._parts}
     for a, b in zip(found, expected):
         assert np.abs(b).max() > 0.0 and np.abs(a - b).max() <= 1e-11 * np.abs(b).max()
 

@@ -53,6 +53,7 @@ class Setting:
         self.folder = COMM.bcast(tempfile.mkdtemp() if COMM.rank == 0 else None)
         self.run.save(f"{self.folder}/good.h5")
         self.implicit.save(f"{self.folder}/implicit.h5")
+        self.static.save(f"{self.folder}/static.h5")
 
     def _amplitude(self, t):
         if self.spoilt == "raises":
@@ -120,6 +121,9 @@ def calls_of_problems(s):
         ("solve, cut_backs", lambda n: s.static.solve(cut_backs=n), None, 3, ValueError, "cut_backs"),
         ("solve, u not finite", lambda x: spoilt_start(s, x), 0.0, NAN, ValueError, "not finite"),
         ("solve, load changed", lambda f: changed_load(s, f), 1.0, 2.0, ValueError, "loads differs"),
+        ("save static, path", s.static.save, f"{s.folder}/a.h5", None, TypeError, "path"),
+        ("restore static, path", s.static.restore, f"{s.folder}/static.h5", f"{s.folder}/none.h5", ValueError,
+         "path differs"),
         ("ExplicitProblem, u", lambda u: s.explicit(u=u), s.u, 3.0, TypeError, "Function"),
         ("ExplicitProblem, velocity", lambda v: s.explicit(velocity=v), s.velocity, None, ValueError, "velocity"),
         ("ExplicitProblem, nan", lambda v: s.explicit(velocity=v), s.velocity, s.not_finite, ValueError,

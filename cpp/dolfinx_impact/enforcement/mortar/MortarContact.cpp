@@ -22,6 +22,8 @@ namespace
 {
 /// Of the largest bound: friction tractions of a converged state are off by less.
 constexpr double turned = 1e-6;
+/// Stands for an infinite opening in checkpoints, which have numbers only; openings are not negative.
+constexpr double no_master = -1.0;
 /// Of the bodies' size: a gap of a linearised problem, which is solved to a few digits.
 constexpr double penetrates = 1e-6;
 /// Of positions.
@@ -172,6 +174,7 @@ state::State MortarContact::state()
 {
   const int g = _geometry->gdim();
   state::State out(name());
+  out.at(state::Place::node, {nodes().begin(), nodes().end()});
   out.add("active", state::Place::node, _state.active).add("sliding", state::Place::node, _state.sliding);
   out.add("multiplier", state::Place::node, _state.multiplier).add("opening", state::Place::node, _state.opening);
   out.add("direction", state::Place::node, _state.direction, g);
@@ -182,6 +185,34 @@ state::State MortarContact::state()
   out.add("begun", state::Place::all, _state.begun);
   out.add(_geometry->state());
   return out;
+}
+
+state::State MortarContact::saved_state()
+{
+  static const std::string names[] = {"active",     "sliding",    "multiplier",
+                                      "opening",    "direction",  "friction_traction",
+                                      "traction_n", "total_slip", "imposed"};
+  state::State out = state().copy_of(names);
+  for (double& opening : out.values<double>("opening"))
+    opening = std::isfinite(opening) ? opening : no_master;
+  _totals.add_to(out, _geometry->gdim());
+  const auto& place = _geometry->increment.displacement;
+  out.add_own("master", state::Place::all, std::vector<double>(place.begin(), place.end()));
+  return out;
+}
+
+void MortarContact::resume(const state::State& saved, std::span<const double> u)
+{
+  std::optional<std::array<double, 3>> place;
+  if (_geometry->obstacle())
+    std::ranges::copy(saved.values<double>("master"), place.emplace().begin());
+  _geometry->begin_step(u, place, {});
+  update_gap(u);
+  state().assign_common(saved);
+  for (double& opening : _state.opening)
+    opening = opening == no_master ? std::numeric_limits<double>::infinity() : opening;
+  _totals.resume(saved, _state.total_slip);
+  _state.begun = _totals.known; // an increment has been accepted
 }
 
 std::vector<double> MortarContact::opened(std::span<const double> gap) const

@@ -78,6 +78,8 @@ public:
   std::string largest_violation() const override;
   std::string mesh_advice() const override;
   double smallest_gap() const override;
+  state::State saved_state() override;
+  void resume(const state::State& saved, std::span<const double> u) override;
   void forget() override { _geometry->forget(); }
   std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const override;
   bool close_nearest() override;
@@ -119,6 +121,8 @@ public:
   std::vector<ContactStatus> status() const override;
   std::vector<double> weight() const override { return _geometry->now().own_cover; }
   std::vector<double> covered() const override;
+  std::optional<std::array<double, 3>> force() const override { return _totals.known_force(); }
+  double dissipated() const override { return _totals.dissipated; }
 
   // --- for those who solve for the multipliers themselves, as rolling does
   /// State of the nodes. Sizes stay as they are.

@@ -53,13 +53,16 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
   _isotropic_mass.assign(n, 0.0);
 }
 
-void KinematicContact::set_release_history(std::vector<double> taken, std::vector<double> pulse)
+void KinematicContact::add_to(state::State& saved) const
 {
-  if (taken.size() != num_nodes() || pulse.size() != num_nodes())
-    throw std::invalid_argument("energies and impulses belong to other nodes: this rank has " +
-                                std::to_string(num_nodes()) + " slave nodes, found " + std::to_string(taken.size()));
-  _absorbed_energy = std::move(taken);
-  _impulse = std::move(pulse);
+  saved.add_own("absorbed_energy", state::Place::node, _absorbed_energy);
+  saved.add_own("impulse", state::Place::node, _impulse);
+}
+
+void KinematicContact::resume_nodes(const state::State& saved)
+{
+  std::ranges::copy(saved.values<double>("absorbed_energy"), _absorbed_energy.begin());
+  std::ranges::copy(saved.values<double>("impulse"), _impulse.begin());
 }
 
 void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers,

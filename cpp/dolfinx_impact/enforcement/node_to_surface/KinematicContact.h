@@ -61,13 +61,6 @@ public:
   void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
   void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
-  /// Energy that contact has absorbed since the node closed, by owned slave node [F L].
-  const std::vector<double>& absorbed_energy() const { return _absorbed_energy; }
-  /// Decaying sum of the impulses of the normal forces, by owned slave node [F T].
-  const std::vector<double>& impulse() const { return _impulse; }
-  /// @throws std::invalid_argument for another number of nodes
-  void set_release_history(std::vector<double> taken, std::vector<double> pulse);
-
 private:
   /// A node that receives a contact force in this step; its shape functions are in `_phi`.
   struct alignas(64) Closed
@@ -81,6 +74,8 @@ private:
 
   KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
                    const gap::Rigid* rigid, const KinematicContactOptions& options);
+  void add_to(state::State& saved) const override;
+  void resume_nodes(const state::State& saved) override;
   template <int D>
   void relative_to_master(std::size_t q, const double* values, double* out) const;
   template <int D>
@@ -103,7 +98,8 @@ private:
   int _sweeps;
   int _num_masters; ///< nodes of a master facet; 0 if the master is rigid
   std::array<double, 3> _obstacle_before{};
-  std::vector<double> _absorbed_energy, _impulse;
+  std::vector<double> _absorbed_energy; ///< by contact since the node closed, by slave node [F L]
+  std::vector<double> _impulse;         ///< decaying sum of those of the normal forces, by slave node [F T]
   std::vector<Closed> _closed_now;
   std::size_t _num_closed = 0;
   std::vector<double> _phi, _motion, _nodal_force, _normal_mass, _isotropic_mass;

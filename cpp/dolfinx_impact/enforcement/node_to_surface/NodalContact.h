@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../../operators/Halo.h"
+#include "../../state/State.h"
 #include <array>
 #include <cstdint>
 #include <span>
@@ -79,10 +80,19 @@ public:
   virtual void update_gaps(std::span<const double> u) = 0;
 
   virtual ContactEnergy energy() const = 0;
-  /// The node of this rank that passed through farthest, since construction or since the last set_history.
+  /// The node of this rank that passed through farthest, since construction or since the last `resume`.
   virtual Passage passage() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
   virtual const std::array<double, 3>& force() const = 0;
+
+  /// What the next step starts from, values of its own: fields of this rank's slave nodes, its "energies" (in the order
+  /// of ContactEnergy) and its "force" [F], as vectors of the rank.
+  virtual state::State saved_state() const = 0;
+  /// Go on from what `saved_state` has returned, perhaps on other ranks; or from a copy with other values.
+  /// @throws std::invalid_argument for the state of other nodes
+  virtual void resume(const state::State& saved) = 0;
+  /// All nodes become open, energies and histories those of the start.
+  virtual void reset() = 0;
 };
 
 /// A contact whose forces depend on the present configuration and are part of the residual (penalty).

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodalPair.h"
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 
@@ -35,6 +36,35 @@ std::array<double, 3> NodalPair::force() const
     for (std::size_t c = 0; c < 3; ++c)
       sum[c] -= _directions[k]->force()[c];
   return sum;
+}
+
+std::vector<state::State> NodalPair::saved_states() const
+{
+  std::vector<state::State> out;
+  for (const auto& direction : _directions)
+    out.push_back(direction->saved_state());
+  const std::array<double, 3> all = force();
+  for (state::State& state : out)
+  {
+    const auto values = state.values<double>("force");
+    for (std::size_t c = 0; c < values.size(); ++c)
+      values[c] = &state == &out.front() ? all[c] : 0.0;
+  }
+  return out;
+}
+
+void NodalPair::resume(const std::vector<state::State>& saved)
+{
+  if (saved.size() != _directions.size())
+    throw std::invalid_argument("the contact of a pair has " + std::to_string(_directions.size()) +
+                                " directions, states are given of " + std::to_string(saved.size()));
+  for (std::size_t k = 0; k < saved.size(); ++k)
+  {
+    const state::State direction = saved[k].copy();
+    if (k > 0)
+      std::ranges::fill(direction.values<double>("force"), 0.0);
+    _directions[k]->resume(direction);
+  }
 }
 
 Passage NodalPair::passage() const

@@ -28,6 +28,11 @@ public:
   ContactEnergy energy() const;
   /// Force on the slave of the pair in the last step, of this rank [F].
   std::array<double, 3> force() const;
+  /// What the next step starts from, of each direction; the first one has the force of the pair, a second one none.
+  std::vector<state::State> saved_states() const;
+  /// Go on from what `saved_states` has returned, perhaps on other ranks.
+  /// @throws std::invalid_argument for states of other nodes
+  void resume(const std::vector<state::State>& saved);
   /// The node of this rank, on either surface, that passed through the other one farthest.
   Passage passage() const;
 

@@ -15,6 +15,15 @@ using surface::FacetElement;
 
 namespace
 {
+/// Names and members of a spring.
+constexpr std::array<std::pair<const char*, double Spring::*>, 6> spring_members{
+    {{"spring_force", &Spring::force},
+     {"spring_compliance", &Spring::compliance},
+     {"spring_gap", &Spring::gap},
+     {"spring_surplus", &Spring::surplus},
+     {"spring_tangential_surplus", &Spring::tangential_surplus},
+     {"spring_offset", &Spring::offset}}};
+
 /// Largest stiffness of a node times dt^2 over its mass: what a step of 0.9 of the stable one leaves of the square of
 /// the highest frequency, 1/0.9^2 - 1, times the 4 of the stable step itself.
 constexpr double most = 4.0 * 0.19 / 0.81;
@@ -95,12 +104,24 @@ void NodePenalty::set_nodal_compliances(NodalCompliances compliances)
   _compliance_step = 0.0;
 }
 
-void NodePenalty::set_springs(std::vector<Spring> springs)
+void NodePenalty::add_to(state::State& saved) const
 {
-  if (springs.size() != num_nodes())
-    throw std::invalid_argument("the springs belong to other nodes: this rank has " + std::to_string(num_nodes()) +
-                                " slave nodes, found " + std::to_string(springs.size()));
-  _springs = std::move(springs);
+  for (const auto& [name, member] : spring_members)
+  {
+    std::vector<double> column(num_nodes());
+    std::ranges::transform(_springs, column.begin(), [member](const Spring& spring) { return spring.*member; });
+    saved.add_own(name, state::Place::node, std::move(column));
+  }
+}
+
+void NodePenalty::resume_nodes(const state::State& saved)
+{
+  for (const auto& [name, member] : spring_members)
+  {
+    const auto column = saved.values<double>(name);
+    for (std::size_t i = 0; i < num_nodes(); ++i)
+      _springs[i].*member = column[i];
+  }
 }
 
 double NodePenalty::deepest_penetration() const

@@ -52,10 +52,6 @@ public:
 
   /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
   const std::vector<double>& stiffness() const { return _stiffness; }
-  /// By owned slave node.
-  const std::vector<Spring>& springs() const { return _springs; }
-  /// @throws std::invalid_argument for another number of nodes
-  void set_springs(std::vector<Spring> springs);
   /// Springs in a given configuration, outside of time stepping; call after `number`.
   /// @param[in] u displacements of the Halo's nodes [L]
   /// @throws std::invalid_argument without a given penalty
@@ -65,6 +61,8 @@ private:
   NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
               const gap::Rigid* rigid, const NodePenaltyOptions& options);
   double deepest_penetration() const override;
+  void add_to(state::State& saved) const override;
+  void resume_nodes(const state::State& saved) override;
   void drop_stored_energy(std::size_t i) override;
   double compliance(const ContactPoint& point) const;
   double node_compliance(double known, double inverse_mass, double dt) const;

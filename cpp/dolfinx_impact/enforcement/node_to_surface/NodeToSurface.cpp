@@ -136,30 +136,54 @@ void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, cons
   _obstacle_size = _undisplaced_size + moved;
 }
 
-NodalHistory NodeToSurface::history() const
+state::State NodeToSurface::saved_state() const
 {
-  return {_tangential,
-          _results.slip,
-          _tracker.tracked_xi(),
-          _closed,
-          {_tracker.tracked().begin(), _tracker.tracked().end()}};
+  using state::Place;
+  state::State out("direction");
+  out.at(Place::node, {_candidates.nodes().begin(), _candidates.nodes().end()});
+  out.add_own("tangential", Place::node, _tangential, _gdim).add_own("slip", Place::node, _results.slip, _gdim);
+  out.add_own("xi", Place::node, _tracker.tracked_xi(), 2);
+  add_to(out);
+  out.add_own("closed", Place::node, _closed);
+  out.add_own("facet", Place::node, std::vector<std::int64_t>(_tracker.tracked().begin(), _tracker.tracked().end()));
+  out.add_own("energies", Place::rank,
+              std::vector<double>{_energy.stored, _energy.friction, _energy.normal, _energy.later_friction,
+                                  _energy.later_normal, _energy.recoverable});
+  out.add_own("force", Place::rank, std::vector<double>(_force.begin(), _force.begin() + _gdim));
+  return out;
 }
 
-void NodeToSurface::set_history(const NodalHistory& history)
+void NodeToSurface::resume(const state::State& saved)
 {
-  const std::size_t n = num_nodes(), vector = n * _gdim;
-  if (history.tangential.size() != vector || history.slip.size() != vector || history.closed.size() != n ||
-      history.facet.size() != n || history.xi.size() != 2 * n)
-    throw std::invalid_argument("the history belongs to other nodes: this rank has " + std::to_string(n) +
-                                " slave nodes, found " + std::to_string(history.closed.size()));
-  _tangential = history.tangential;
-  _results.slip = history.slip;
-  _closed = history.closed;
+  const state::State mine = saved_state();
+  if (const std::string found = mine.difference_of_structure(saved); !found.empty())
+    throw std::invalid_argument("the state belongs to other nodes: " + found);
+  const auto set = [&saved]<typename T>(const char* name, std::vector<T>& to)
+  { std::ranges::copy(saved.values<T>(name), to.begin()); };
+  set("tangential", _tangential);
+  set("slip", _results.slip);
+  set("closed", _closed);
   // What a node that opens gives back depends on whether it was open; sticking or slipping is told by the next forces.
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t i = 0; i < num_nodes(); ++i)
     _results.status[i] = _closed[i] == 1 ? ContactStatus::slip : ContactStatus::open;
   _passage = {};
-  _tracker.set_tracked(history.facet, history.xi);
+  const auto facet = saved.values<std::int64_t>("facet");
+  const auto xi = saved.values<double>("xi");
+  _tracker.set_tracked({facet.begin(), facet.end()}, {xi.begin(), xi.end()});
+  const auto e = saved.values<double>("energies");
+  _energy = {e[0], e[1], e[2], e[3], e[4], e[5]};
+  std::ranges::copy(saved.values<double>("force"), _force.begin());
+  resume_nodes(saved);
+}
+
+void NodeToSurface::reset()
+{
+  state::State none = saved_state();
+  for (const state::Field& field : none.fields())
+    if (field.name != "force")
+      std::visit([](auto values) { std::ranges::fill(values, 0); }, field.values);
+  std::ranges::fill(none.values<std::int64_t>("facet"), -1);
+  resume(none);
 }
 
 // --- contact detection

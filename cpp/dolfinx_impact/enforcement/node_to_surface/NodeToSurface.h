@@ -31,16 +31,6 @@ struct NodalResults
   std::vector<double> slip;     ///< accumulated since the node closed [L]
 };
 
-/// State of a contact in a checkpoint, by owned slave node: enough for a bit-exact restart.
-struct NodalHistory
-{
-  std::vector<double> tangential;  ///< forces [i*gdim + c] [F]
-  std::vector<double> slip;        ///< [i*gdim + c] [L]
-  std::vector<double> xi;          ///< reference coordinates on the master's facet, [2*i + alpha]
-  std::vector<std::int8_t> closed; ///< 1: in contact; 0: open; -1: marked (docs/explicit/penalty.md)
-  std::vector<std::int64_t> facet; ///< id of the master facet that the node is tracked on, or -1
-};
-
 /// Detects in each step which slave nodes are in contact with the master surface or a rigid obstacle, where they
 /// project, and whether they have passed through the surface (docs/explicit/penalty.md). Derived classes compute the
 /// forces.
@@ -68,13 +58,12 @@ public:
   const search::NodeTracker& tracker() const { return _tracker; }
   /// Number of nodes that were left open because their first penetration was implausibly deep.
   std::int64_t implausible() const { return _num_implausible; }
-  NodalHistory history() const;
-  /// @throws std::invalid_argument for arrays of wrong sizes
-  void set_history(const NodalHistory& history);
-  /// Energies from a checkpoint.
-  void set_energy(const ContactEnergy& energy) { _energy = energy; }
-  /// Sum of the forces in the last step, as `force` returns it, from a checkpoint [F].
-  void set_force(const std::array<double, 3>& force) { _force = force; }
+  /// By node: "tangential" forces [F], "slip" [L], "xi" and "facet" (coordinates on and id of the master's facet that
+  /// it is tracked on, -1: none), fields of the derived class, "closed" (1: in contact, 0: open, -1: marked,
+  /// docs/explicit/penalty.md).
+  state::State saved_state() const override;
+  void resume(const state::State& saved) override;
+  void reset() override;
   /// For tests of the tests only: judge whether surfaces face each other by the normals of the last search.
   void keep_normals(bool keep) { _tracker.keep_normals(keep); }
 
@@ -103,6 +92,10 @@ protected:
 
   /// Deepest penetration of a closed node; facets within it must stay candidates [L].
   virtual double deepest_penetration() const { return 0.0; }
+  /// Add fields of the nodes to what is saved, values of their own.
+  virtual void add_to(state::State&) const {}
+  /// Set them from a state of the same structure.
+  virtual void resume_nodes(const state::State&) {}
   /// Called when node i opens although its gap did not become positive; its tangential force is still valid.
   virtual void drop_stored_energy(std::size_t) {}
 

@@ -170,6 +170,7 @@ state::State QuadraturePenalty::state()
   const std::size_t num_owned = _space->dofmap()->index_map->size_local();
   PenaltyHistory& h = _forces.history;
   state::State out(_name);
+  out.at(Place::facet, _slave.id);
   out.add("multiplier", Place::facet, h.multiplier, per_facet);
   out.add("traction", Place::facet, h.traction, per_facet * gdim);
   out.add("slip", Place::facet, h.slip, per_facet * gdim);
@@ -344,13 +345,40 @@ std::string QuadraturePenalty::passed_through()
 
 // --- checkpoints ---------------------------------------------------------------------------------------------------
 
-void QuadraturePenalty::resume(double penalty, double tangential, std::span<const double> u,
-                               std::vector<ContactStatus> status, std::span<const std::int64_t> facets)
+state::State QuadraturePenalty::saved_state()
 {
+  using state::Place;
+  const std::size_t per_facet = at().per_facet;
+  const state::State now = state();
+  static const std::string first[] = {"multiplier", "touched"}, vectors[] = {"traction", "slip"},
+                           corners[] = {"corners"};
+  state::State out = now.copy_of(first);
+  const std::vector<ContactStatus> points = status();
+  std::vector<std::int8_t> numbers(points.size());
+  std::transform(points.begin(), points.end(), numbers.begin(), [](ContactStatus s) { return std::int8_t(s); });
+  out.add_own("status", Place::facet, std::move(numbers), per_facet);
+  out.add_own("facet", Place::facet, facet_ids(), per_facet);
+  out.add_copies(now, vectors);
+  _totals.add_to(out, at().gdim);
+  out.add_own("master", Place::all, std::vector<double>(_displacement.begin(), _displacement.end()));
+  out.add_own("penalties", Place::all, std::vector<double>{_penalty, _tangential});
+  if (_options.augmented)
+    out.add_copies(now, corners);
+  return out;
+}
+
+void QuadraturePenalty::resume(const state::State& saved, std::span<const double> u)
+{
+  std::vector<ContactStatus> status;
+  for (const std::int8_t number : saved.values<std::int8_t>("status"))
+    status.push_back(ContactStatus(number));
+  const std::span<const std::int64_t> facets = saved.values<std::int64_t>("facet");
   if (status.size() != at().size() || facets.size() != at().size())
     throw std::invalid_argument("a checkpoint has status and facet of every point");
-  _penalty = penalty;
-  _tangential = tangential;
+  state().assign_common(saved);
+  std::ranges::copy(saved.values<double>("master"), _displacement.begin());
+  _penalty = saved.values<double>("penalties")[0];
+  _tangential = saved.values<double>("penalties")[1];
   _start_displacement = _displacement;
   begin_step(u, displacement());
   update_gap(u);
@@ -363,9 +391,10 @@ void QuadraturePenalty::resume(double penalty, double tangential, std::span<cons
   // A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
   _resumed_status = _last_status = std::move(status);
   _gap_before = gap();
-  _totals.slip = slip();
+  _totals.resume(saved, slip());
 }
 
+/// Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none.
 std::vector<std::int64_t> QuadraturePenalty::facet_ids() const
 {
   std::vector<std::int64_t> out(at().size(), -1);
@@ -587,6 +616,27 @@ std::vector<double> QuadraturePenalty::traction() const
     if (const std::size_t q = i / at().gdim; now[q] != ContactStatus::open)
       out[i] = _forces.state().pressure[q] * at().normal[i] + tangential[i];
   return out;
+}
+
+double QuadraturePenalty::stored_energy() const
+{
+  if (_penalty == 0.0 || _tangential == 0.0)
+    return 0.0;
+  const std::vector<double> pressures = pressure(), tractions = traction(), normals = normal(), weights = weight();
+  const std::size_t gdim = _space->mesh()->geometry().dim();
+  double out = 0.0;
+  for (std::size_t i = 0; i < pressures.size(); ++i)
+  {
+    double density = 0.5 * pressures[i] * pressures[i] / _penalty;
+    if (has_friction())
+      for (std::size_t c = 0; c < gdim; ++c)
+      {
+        const double tangential = tractions[i * gdim + c] - pressures[i] * normals[i * gdim + c];
+        density += 0.5 * tangential * tangential / _tangential;
+      }
+    out += weights[i] * density;
+  }
+  return sum_over_ranks(out);
 }
 
 std::vector<double> QuadraturePenalty::covered() const

@@ -74,6 +74,8 @@ public:
   double round_off() const override;
   std::string mesh_advice() const override;
   double smallest_gap() const override;
+  state::State saved_state() override;
+  void resume(const state::State& saved, std::span<const double> u) override;
   void forget() override { _forces.forget(); }
   std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const override;
   bool close_nearest() override;
@@ -87,6 +89,9 @@ public:
   std::vector<ContactStatus> status() const override;
   std::vector<double> weight() const override { return _forces.points().weight; }
   std::vector<double> covered() const override;
+  std::optional<std::array<double, 3>> force() const override { return _totals.known_force(); }
+  double dissipated() const override { return _totals.dissipated; }
+  double stored_energy() const override;
 
   /// Penalty in use; 0 before the first increment with an automatic one [F/L^3].
   double penalty() const { return _penalty; }
@@ -103,15 +108,6 @@ public:
   /// Has an increment begun?
   bool has_begun() const { return _touch.has_value(); }
 
-  /// Continue from the values of a checkpoint in `state`, whose last converged state is the present one. Collective.
-  /// @param[in] penalty, tangential in use; 0: not yet known [F/L^3]
-  /// @param[in] u displacements, owned and ghosts [L]
-  /// @param[in] status of the points
-  /// @param[in] facets of the master that points are kept on, see facet_ids
-  void resume(double penalty, double tangential, std::span<const double> u, std::vector<ContactStatus> status,
-              std::span<const std::int64_t> facets);
-  /// Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none.
-  std::vector<std::int64_t> facet_ids() const;
   /// Means of point values at the slave's nodes, weighted with squares of the shape functions. Collective.
   /// @param[in] values [point*columns + c]
   /// @returns owned nodes, and means, [i*columns + c]
@@ -127,6 +123,7 @@ private:
   double sum_over_ranks(double value) const;
   double automatic() const;
   void locate(std::span<const double> u);
+  std::vector<std::int64_t> facet_ids() const;
   void keep_facets(std::span<const std::int64_t> ids);
   bool leave_facets();
   std::vector<double> closest_points() const;

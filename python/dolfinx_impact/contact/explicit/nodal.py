@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit/penalty.md."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -53,6 +52,7 @@ class Kinematic(Fixed):
         return NodalResult(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
+Place = _cpp.state.Place
 GAPS = ("gap", "normal")
 RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # arrays by node
 
@@ -253,34 +253,17 @@ class NodalResult(ContactOutput):
         """
         return self._sides
 
-    def saved_force(self, side: int) -> FloatArray:
-        """Force of the last step for a checkpoint.
+    def saved_states(self) -> list[_cpp.state.State]:
+        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
+        return list(self._cpp_object.saved_states())
+
+    def resume(self, saved: list[_cpp.state.State]) -> None:
+        """Go on from what `saved_states` has returned, on these ranks or others.
 
         Args:
-            side: number of the side in `sides`.
-
-        Returns:
-            Force on the slave of the pair with the first side, of this rank; zeros with the other one, (gdim) [F].
+            saved: the states.
         """
-        force: FloatArray = self._cpp_object.force[: self.gdim]
-        return force if side == 0 else np.zeros_like(force)
-
-    def restore_force(self, force: FloatArray) -> None:
-        """Set the force of the last step from a checkpoint.
-
-        Args:
-            force: as `saved_force` returned it with the first side, (gdim) [F].
-        """
-        for side in self._sides:
-            side.set_force(force if side is self._sides[0] else np.zeros_like(force))
-
-    def reset_history(self) -> None:
-        """Reset friction and energies; all nodes become open."""
-        for side in self.sides():
-            history = {name: np.zeros_like(values) for name, values in side.history().items()}
-            history["facet"][:] = -1
-            side.set_history(history)
-            side.set_energy(0.0, 0.0, 0.0)
+        self._cpp_object.resume(saved)
 
     def spring_frequency(self) -> float:
         """Upper bound of the angular frequency that springs of given stiffness add. Collective.
@@ -403,36 +386,37 @@ class NodalResult(ContactOutput):
         self.force, self.moment, self.area = sums[:gdim], sums[gdim:-3], float(sums[-3])
         self.dissipated, self.stored = float(sums[-2]), float(sums[-1])
 
-    def save_results(self) -> tuple[FloatArray, FloatArray]:
+    def results_state(self) -> tuple[_cpp.state.State, _cpp.state.State]:
         """Results of `update_results` for a checkpoint.
 
         Returns:
-            Rows by node, and totals.
+            Results by node, and totals.
         """
-        rows = [np.asarray(getattr(self, name), dtype=float) for name in RESULTS]
-        rows = [values.reshape(len(values), math.prod(values.shape[1:])) for values in rows]
-        return np.hstack(rows), np.concatenate([self.force, self.moment, [self.area, self.dissipated]])
+        rows, totals = _cpp.state.State("results"), _cpp.state.State("contact")
+        rows.at(Place.node, self.nodes.astype(np.int64))
+        for name in RESULTS:
+            rows.add(name, Place.node, np.ascontiguousarray(getattr(self, name)))
+        for name in ("force", "moment"):
+            totals.add(name, Place.all, np.array(getattr(self, name), dtype=float))
+        totals.add("area", Place.all, np.array([self.area, self.dissipated]))
+        return rows, totals
 
-    def restore_results(self, rows: FloatArray, totals: FloatArray) -> None:
-        """Restore results from a checkpoint, which has no contact forces to compute them from.
+    def resume_results(self, rows: _cpp.state.State, totals: _cpp.state.State) -> None:
+        """Set results from a checkpoint, which has no contact forces to compute them from.
 
         Args:
-            rows: rows by node, as save_results returned them.
-            totals: totals, as save_results returned them.
+            rows: results by node, as results_state returned them.
+            totals: totals, as results_state returned them.
         """
-        first = 0
         for name in RESULTS:
-            now = getattr(self, name)
-            count = math.prod(now.shape[1:])
-            values = np.ascontiguousarray(rows[:, first : first + count].reshape(now.shape).astype(now.dtype))
+            now, values = getattr(self, name), rows.array(name)
+            values = values.reshape(now.shape).astype(now.dtype)
             if name in GAPS:
                 self._gaps()[name] = values
             else:
                 setattr(self, name, values)
-            first += count
-        gdim = self.gdim
-        self.force, self.moment = totals[:gdim], totals[gdim:-2]
-        self.area, self.dissipated = float(totals[-2]), float(totals[-1])
+        self.force, self.moment = totals.array("force"), totals.array("moment")
+        self.area, self.dissipated = (float(value) for value in totals.array("area"))
 
     def covered(self) -> FloatArray:
         """Part of each node's area that is in contact: one or zero.

@@ -14,10 +14,8 @@ from ...common.fixed import Fixed
 from ...common.types import BoolArray, FloatArray, IntArray
 from ..pair import ContactPair, check_pair, check_quadrature_degree
 from ..static_view import StaticContactView
-from ..saved_history import SavedHistory
 
 LOG = logging.getLogger("dolfinx_impact")
-NO_MASTER = -1.0  # stands for an infinite opening in checkpoints; openings are not negative
 BASES = ("dual", "standard", "linear")
 
 
@@ -206,39 +204,6 @@ class LagrangeContact(StaticContactView):
     def last_change(self) -> int:
         """Largest global number of the nodes that the last update_active_set changed, -1 without any."""
         return int(self._cpp_object.last_change)
-
-    # --- load steps --------------------------------------------------------------------------------------------------
-
-    def save_history(self) -> SavedHistory:
-        """What the next increment starts from, for a checkpoint."""
-        n, opening = len(self.nodes), np.zeros(len(self.nodes)) if self.opening is None else self.opening
-        scalars = {"active": self.active, "sliding": self.sliding, "multiplier": self.multiplier, "opening": opening}
-        vectors = {
-            "direction": self.direction, "friction_traction": self.friction_traction, "traction_n": self.traction_n,
-            "total_slip": self.total_slip, "imposed": self._cpp_object.imposed,
-        }  # fmt: skip
-        columns: dict[str, Any] = {name: np.asarray(v, dtype=float).reshape(n, 1) for name, v in scalars.items()}
-        columns |= {name: v.reshape(n, self.gdim) for name, v in vectors.items()}
-        # Gaps without a master are infinite, which a table of numbers must not be.
-        columns["opening"] = np.where(np.isfinite(columns["opening"]), columns["opening"], NO_MASTER)
-        return SavedHistory(False, self.nodes, columns, self.save_totals() | {"master": self.displacement})
-
-    def restore_history(self, saved: SavedHistory, u: FloatArray) -> None:
-        """Continue from a checkpoint. Collective.
-
-        Args:
-            saved: as save_history returned it.
-            u: displacements of the checkpoint, owned and ghost dofs [L].
-        """
-        rows, c = saved.columns, self._cpp_object
-        self.geometry.begin_step(u, saved.totals["master"] if self.pair.rigid else None)
-        self.update_gap(u)
-        c.active, c.sliding = (rows[name][:, 0] != 0.0 for name in ("active", "sliding"))
-        c.multiplier, opening = rows["multiplier"][:, 0].copy(), rows["opening"][:, 0]
-        c.opening = np.where(opening == NO_MASTER, np.inf, opening)
-        for name in ("direction", "friction_traction", "traction_n", "total_slip", "imposed"):
-            setattr(c, name, np.ascontiguousarray(rows[name]))
-        self.restore_totals(saved.totals)
 
     # --- Newton iterations -------------------------------------------------------------------------------------------
 

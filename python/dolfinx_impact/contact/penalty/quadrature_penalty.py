@@ -11,7 +11,6 @@ from ... import _cpp
 from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..pair import ContactPair, ContactStatus
 from ..protocol import StaticContactProblem
-from ..saved_history import SavedHistory
 from ..static_view import StaticContactView
 
 LOG = logging.getLogger("dolfinx_impact")
@@ -146,38 +145,6 @@ class QuadraturePenalty(StaticContactView):
             Forces to be subtracted from the right-hand side, owned dofs; None without such points [F].
         """
         return self._cpp_object.closing_forces() if self._cpp_object.closes_nearest else None
-
-    # --- checkpoints -------------------------------------------------------------------------------------------------
-
-    def save_history(self) -> SavedHistory:
-        """What the next increment starts from, for a checkpoint."""
-        made, state, per_facet = self._cpp_object, self._cpp_object.state(), self._cpp_object.forces.points.per_facet
-        rows: dict[str, Any] = {name: state.array(name) for name in ("multiplier", "touched")}
-        rows |= {"status": self.status, "facet": made.facet_ids()}
-        columns: dict[str, Any] = {name: np.array(v, dtype=float).reshape(-1, per_facet) for name, v in rows.items()}
-        for name in ("traction", "slip"):
-            columns[name] = state.array(name).reshape(-1, per_facet * self.gdim).copy()
-        places = {"master": self.displacement, "penalties": np.array([made.penalty, made.tangential])}
-        corners = state.array("corners")[:, None].copy() if self.options["augmented"] else None
-        return SavedHistory(True, self.slave.id, columns, self.save_totals() | places, corners)
-
-    def restore_history(self, saved: SavedHistory, u: FloatArray) -> None:
-        """Continue from a checkpoint. Collective.
-
-        Args:
-            saved: as save_history returned it.
-            u: displacements of the checkpoint, owned and ghost dofs [L].
-        """
-        rows, state = saved.columns, self._cpp_object.state()
-        for name in ("multiplier", "traction", "slip", "touched"):
-            array = state.array(name)
-            array[...] = rows[name].reshape(array.shape)
-        if saved.corners is not None:
-            state.array("corners")[...] = saved.corners[:, 0]
-        state.array("displacement")[...] = saved.totals["master"].reshape(state.array("displacement").shape)
-        status, facets = rows["status"].ravel().astype(np.int8), rows["facet"].ravel().astype(np.int64)
-        self._cpp_object.resume(*map(float, saved.totals["penalties"]), u, status, facets)
-        self.restore_totals(saved.totals)
 
     # --- results -----------------------------------------------------------------------------------------------------
 

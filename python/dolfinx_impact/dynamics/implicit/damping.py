@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import dolfinx.fem.petsc as petsc
 import numpy as np
 import ufl
@@ -10,6 +12,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
+from ... import _cpp
 from ...assembly.ffcx_form import ffcx_form
 from ...common.described import Described
 from ...assembly import operators
@@ -51,6 +54,10 @@ class DampingForce(Described):
         petsc.assemble_vector(self._vector, self._form)
         self._vector.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
         return np.array(self._vector.array_r)
+
+    def in_cpp(self) -> Any:
+        """The force as MovingBody (C++) sees it, VelocityForce (C++)."""
+        return _cpp.integrators.FunctionVelocityForce(self.forces, self.tangent, self.linear)
 
     def tangent(self, factors: PETSc.Vec) -> list[PETSc.Mat]:
         """Assemble the derivative with respect to the displacement of a step. Collective.

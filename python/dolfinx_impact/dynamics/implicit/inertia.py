@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Mass matrix of an implicit problem: consistent or lumped, with or without mass on contact surfaces."""
+"""Mass matrix of an implicit problem, made from forms: consistent or lumped, with or without mass on contact surfaces;
+a view of cpp/dolfinx_impact/integrators/newmark/Inertia.h."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from ... import _cpp
 from ...common.described import Described
 from ...added_mass import AddedMass
 from ...assembly import lumped_mass, operators
@@ -19,10 +21,6 @@ from ...assembly.consistent_mass import ConsistentMass, Densities, diagonal_matr
 from ...assembly.fields import field_dofs, fields_of
 from ...common.types import BoolArray, FloatArray
 from .mass_redistribution import MassRedistribution
-
-SOLVED = 1e-14  # relative residual that conjugate gradients aim at: round-off of a well-conditioned matrix
-ENOUGH = 1e-9  # relative residual that is accepted where round-off does not let them get there
-MOST = 2000  # iterations of conjugate gradients; meshes whose cells differ by 10^6 in volume need some hundred
 
 
 class Inertia(Described):
@@ -36,11 +34,13 @@ class Inertia(Described):
         cell_tags: cell tags of the densities; None: one density.
         lumping: lumping scheme, as for lumped_mass; None: consistent mass.
         surface: contact nodes whose mass goes to the nodes behind them; None: all nodes keep theirs.
+        fixed: mask of prescribed degrees of freedom, owned: they follow their functions of time, with or without mass.
         added: masses on surfaces.
 
     Attributes:
         matrix: M [M].
-        massless: mask of owned degrees of freedom without mass.
+        massless: mask of owned degrees of freedom without mass that are not prescribed.
+        total: lumped mass of all degrees of freedom, wherever it goes [M].
         lumping: lumping scheme, or None.
 
     Raises:
@@ -56,6 +56,7 @@ class Inertia(Described):
         cell_tags: MeshTags | None,
         lumping: str | None,
         surface: MassRedistribution | None,
+        fixed: BoolArray,
         added: Sequence[AddedMass] = (),
     ) -> None:
         self.space, self.lumping = V, lumping
@@ -82,7 +83,8 @@ class Inertia(Described):
             self.matrix = diagonal_matrix(V, diagonal)
         for mass in added:
             self._add(mass, hypothesis)
-        self._x, self._y = self.matrix.createVecs()
+        self.massless &= ~fixed
+        self._cpp_object = _cpp.integrators.Inertia(self.matrix, self.massless)
 
     def _check_fields(self, densities: Densities, consistent: ConsistentMass) -> None:
         """Find the degrees of freedom that have no mass; ValueError if a density is not positive.
@@ -117,22 +119,13 @@ class Inertia(Described):
             self.matrix.setDiagonal(diagonal, PETSc.InsertMode.ADD_VALUES)
             self.matrix.assemble()
 
-    def hold(self, fixed: BoolArray) -> None:
-        """Prescribed degrees of freedom follow their functions of time, with or without mass.
-
-        Args:
-            fixed: mask of them, owned.
-        """
-        self.massless = self.massless & ~fixed
-
     def _redistribute(self, consistent: ConsistentMass, surface: MassRedistribution) -> None:
         """Replace the matrix M_e of each cell at the surface by T^T M_e T; see MassRedistribution. Collective."""
         dofmap = self.space.dofmap
-        identity = np.eye(dofmap.bs)
         for cell, matrix in consistent.of_cells(surface.cells):
-            T = np.kron(surface.weights(cell), identity)
             dofs = (dofmap.bs * dofmap.cell_dofs(cell)[:, None] + np.arange(dofmap.bs)).ravel().astype(np.int32)
-            self.matrix.setValuesLocal(dofs, dofs, T.T @ matrix @ T - matrix, PETSc.InsertMode.ADD_VALUES)
+            change = surface.matrix(cell, matrix) - matrix
+            self.matrix.setValuesLocal(dofs, dofs, change, PETSc.InsertMode.ADD_VALUES)
         self.matrix.assemble()
 
     def _redistributed(self, masses: lumped_mass.CellMasses, surface: MassRedistribution) -> FloatArray:
@@ -142,8 +135,7 @@ class Inertia(Described):
         for cells, values in masses:
             values = values.copy()
             for row in np.flatnonzero(wanted[cells]):
-                by_node = values[row].reshape(-1, self.space.dofmap.bs)
-                by_node[:] = surface.weights(cells[row]).T @ by_node
+                values[row] = surface.lumped(int(cells[row]), values[row])
             moved.append((cells, values))
         return lumped_mass.sum_masses(self.space, moved).array[: self._num_owned]
 
@@ -156,50 +148,4 @@ class Inertia(Described):
         Returns:
             Product over owned degrees of freedom.
         """
-        self._x.array[:] = values
-        self.matrix.mult(self._x, self._y)
-        return self._y.array.copy()
-
-    def accelerations(self, forces: FloatArray, fixed: BoolArray, given: FloatArray) -> FloatArray:
-        """Solve M a = f for the free accelerations; those of massless nodes are zero. Collective.
-
-        Args:
-            forces: f over owned degrees of freedom [F].
-            fixed: mask of owned degrees of freedom with given accelerations.
-            given: accelerations, over owned degrees of freedom, of which those of `fixed` are read [L/T^2].
-
-        Returns:
-            Accelerations over owned degrees of freedom [L/T^2].
-
-        Raises:
-            RuntimeError: conjugate gradients do not converge.
-        """
-        a = np.where(fixed, given, 0.0)
-        rest = forces - self.times(a)
-        pinned = fixed | self.massless
-        rest[pinned] = 0.0
-        matrix = self.matrix.copy()
-        rows = matrix.getOwnershipRange()[0] + np.flatnonzero(pinned).astype(np.int32)
-        matrix.zeroRowsColumns(rows, 1.0)
-        solver = PETSc.KSP().create(matrix.comm)
-        solver.setType("cg")
-        solver.getPC().setType("jacobi")
-        solver.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
-        solver.setTolerances(rtol=SOLVED, max_it=MOST)
-        solver.setOperators(matrix)
-        self._x.array[:] = rest
-        solver.solve(self._x, self._y)
-        iterations = solver.getIterationNumber()
-        a += np.where(pinned, 0.0, self._y.array)
-        solver.destroy()
-        matrix.destroy()
-        left = forces - self.times(a)
-        left[pinned] = 0.0
-        comm = self.space.mesh.comm
-        norms = np.sqrt(comm.allreduce(np.array([left @ left, rest @ rest])))
-        if not norms[0] <= ENOUGH * norms[1]:
-            raise RuntimeError(
-                f"the accelerations at the start were not found in {iterations} iterations: the residual is "
-                f"{norms[0]:.1e}, the forces {norms[1]:.1e}"
-            )
-        return a
+        return self._cpp_object.times(np.ascontiguousarray(values))

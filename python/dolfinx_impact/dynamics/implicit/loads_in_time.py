@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,6 +27,7 @@ class LoadsInTime(Described):
     def __init__(self, loads: Sequence[Load]) -> None:
         self.loads = [load for load in loads if getattr(load, "amplitude", None) is not None]
         self.amplitudes = [Amplitude(load.amplitude, f"amplitude of {type(load).__name__}") for load in self.loads]
+        self._given: list[FloatArray] = []  # values of the constants while they are scaled
 
     def factors(self, time: float) -> FloatArray:
         """Amplitudes at a time.
@@ -40,18 +40,17 @@ class LoadsInTime(Described):
         """
         return np.array([amplitude.sample([time])[0, 0] for amplitude in self.amplitudes])
 
-    @contextlib.contextmanager
-    def scaled(self, factors: FloatArray) -> Iterator[None]:
-        """Inside a `with` block the loads are multiplied with factors.
+    def scale(self, factors: FloatArray) -> None:
+        """Multiply the constants with factors, until `unscale`.
 
         Args:
             factors: factors of `loads`, (num_loads) [1].
         """
-        given = [np.copy(load.constant.value) for load in self.loads]
-        for load, value, factor in zip(self.loads, given, factors):
+        self._given = [np.copy(load.constant.value) for load in self.loads]
+        for load, value, factor in zip(self.loads, self._given, factors):
             load.constant.value = value * factor
-        try:
-            yield
-        finally:
-            for load, value in zip(self.loads, given):
-                load.constant.value = value
+
+    def unscale(self) -> None:
+        """Set the constants to the values that the user gave."""
+        for load, value in zip(self.loads, self._given):
+            load.constant.value = value

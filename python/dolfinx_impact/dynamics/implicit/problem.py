@@ -12,6 +12,7 @@ import numpy as np
 import ufl
 from dolfinx import default_scalar_type, fem
 
+from ... import _cpp
 from ...amplitude import PrescribedMotion
 from ...assembly import problem_arguments
 from ...assembly.curvature import check_curvature, is_displacement
@@ -39,6 +40,7 @@ from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
 from ...statics.inelastic_body import InelasticBody
+from ...statics.newton import body_in_cpp
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
@@ -50,19 +52,13 @@ from ..read_once import ReadOnce
 from ..supports import Supports
 from .mass_redistribution import MassRedistribution
 from .damping import DampingForce
-from .energies import EnergyAccount, energies
-from .force_balance import ForceBalance
+from .excitation import Excitation
 from .growth_guard import GrowthGuard
 from .inertia import Inertia
 from .loads_in_time import LoadsInTime
-from .motion import State, TimeValues
-from .motion_functions import MotionFunctions
-from .moving_body import MovingBody
 from .obstacle_motions import ObstacleMotions
 from .restart import ImplicitRestart
-from .scheme import ImplicitScheme
-from .stable_step import highest_frequency
-from .step_control import StepControl
+from .scheme import scheme_of
 from .step_equations import StepEquations
 from .stored_energy import StoredEnergy
 from .stepper import MOST_STEPS, ImplicitStepper
@@ -134,15 +130,12 @@ class NewmarkProblem(Unique):
         mass: lumped mass per degree of freedom, by which a checkpoint recognises the bodies [M].
         evaluates: whether a function of the user computes what the residual reads.
         body: bodies without inertia.
-        moving_body: bodies with inertia.
         equations: equations of a step.
-        motion: functions of displacement, velocity and acceleration.
         obstacles: motions of rigid masters.
+        excitation: loads, supports and rigid masters at a time.
         read: values of supports and rigid masters that the problem goes on with.
         stepper: time stepping.
-        account: forces and works.
         run_history: energies and contact forces of all steps.
-        start_displacement: displacement at the start, over owned degrees of freedom [L].
         inputs: constants and functions that residual and loads read.
         linear_solver: solver of the linear systems.
 
@@ -204,7 +197,7 @@ class NewmarkProblem(Unique):
                 raise ValueError(f"impact is {impact!r}: use one of {', '.join(IMPACT)}")
             if damping is not None and damping.beta > 0.0 and material is None:
                 raise ValueError("stiffness-proportional damping needs a material: write it into your own residual")
-            self.scheme = ImplicitScheme.of_arguments(beta, gamma, rho_inf, hht)
+            self.scheme = scheme_of(beta, gamma, rho_inf, hht)
             arguments.options(options)
             ranks.same(**given, density=density, damping=damping, scheme=str(self.scheme), lumping=lumping,
                        impact=impact, hypothesis=hypothesis, options=options, prefix=prefix,
@@ -251,41 +244,36 @@ class NewmarkProblem(Unique):
         self.supports, self.fixed = motion.parts, motion.mask
         pairs = [c.pair for c in contact]
         surface = MassRedistribution(V, pairs) if pairs and impact == "mass_redistribution" else None
-        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, added_masses(loads))
-        self.inertia.hold(self.fixed[: self.num_owned])
+        owned = self.fixed[: self.num_owned]
+        self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, owned, added_masses(loads))
         self.mass = self.inertia.total
-        self.moving_body = MovingBody(
-            self.body, u, self.velocity, self.inertia, self.damping.alpha, self._damping_force(resisting, bodies)
-        )
+        # Forces of springs to the ground count as internal ones, and their energy with that of the bodies.
+        springs = foundations(self.loads)
+        stored, damping = StoredEnergy(u, material, self.body, springs), self._damping_force(resisting, bodies)
+        moving_body = _cpp.integrators.MovingBody(
+            body_in_cpp(u, self.body, material is not None, stored.value), u._cpp_object, self.velocity._cpp_object,
+            self.inertia._cpp_object, self.damping.alpha, None if damping is None else damping.in_cpp(),
+        )  # fmt: skip
         self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
         self.obstacles = ObstacleMotions(self.contact, self.functions)
         self.read = ReadOnce(motion, self.contact)
-        self.equations = StepEquations(
-            u, material, self.axisymmetric, self.moving_body, self.contact, self.fixed, options, prefix
-        )
+        self.equations = StepEquations(u, self.axisymmetric, moving_body, self.contact, self.fixed, options, prefix)
         self.linear_solver = self.equations.linear_solver
-        self.motion = MotionFunctions(u, self.velocity, self.acceleration)
-        # Forces of springs to the ground count as internal ones, and their energy with that of the bodies.
-        springs = foundations(self.loads)
-        self._stored = StoredEnergy(u, material, self.body, springs)
-        owned = self.fixed[: self.num_owned]
         work = external_work(u, bodies, [load for load in self.loads if load not in springs])
         read = [form for form in (residual, work) if form is not None]
         self.inputs = Inputs(
             [c for form in read for c in form.constants()], [f for form in read for f in form.coefficients()],
             (u, self.velocity),
         )  # fmt: skip
-        self._balance = ForceBalance(u, self.moving_body, self.loads_in_time, work, self.contact, owned)
-        self.start_displacement: FloatArray = u.x.array[: self.num_owned].copy()
+        self.excitation = Excitation(
+            self.comm, self.functions, self.supports, self.num_owned, self.loads_in_time, work, self.obstacles
+        )
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
-        self.account = EnergyAccount(self.comm)
-        self.stepper = ImplicitStepper(self)
+        self.stepper = ImplicitStepper(self, moving_body)
+        self._cpp_object: Any = self.stepper._cpp_object
         self._restart = ImplicitRestart(self)
-        start = self.stepper.sample(None, 0.0)
-        self._enter_contact(start)
-        self.stepper.state = self._start(start)
-        self._places = start.places
-        self.account.forces = self._balance.forces(self.stepper.state, start)
+        self._cpp_object.enter_contact()
+        self._cpp_object.start()
         self.add_row()
         self._warn_of_small_steps()
         self._growth: GrowthGuard | None = None
@@ -314,33 +302,6 @@ class NewmarkProblem(Unique):
             form = rayleigh if form is None else rayleigh + form
         return None if form is None else DampingForce(form, self.u, self.velocity)
 
-    def _start(self, start: TimeValues) -> State:
-        """Motion at the start. Collective.
-
-        Args:
-            start: what functions of time prescribe there.
-        """
-        self.u.x.scatter_forward()
-        self.velocity.x.scatter_forward()
-        state = self._balance.start(self.velocity.x.array[: self.num_owned], start)
-        self.motion.set(state)
-        return state
-
-    def _enter_contact(self, start: TimeValues) -> None:
-        """Evaluate contacts at the start. Collective.
-
-        Args:
-            start: what functions of time prescribe there.
-        """
-        self.u.x.scatter_forward()
-        for k, contact in enumerate(self.contact):
-            contact.begin_step(self.u.x.array, start.places[k] if contact.pair.rigid else None)
-        for contact in self.contact:
-            contact.update_gap(self.u.x.array)
-            if not contact.has_multipliers:
-                contact.update_active_set(True)
-            contact.accept_step()
-
     def stable_step(self) -> float:
         """Largest stable step at the present displacement, of a scheme with beta < gamma/2; others have none.
         Collective.
@@ -355,7 +316,7 @@ class NewmarkProblem(Unique):
         if math.isinf(product):
             return product
         held = self.fixed[: self.num_owned] | self.inertia.massless
-        omega = highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
+        omega = _cpp.integrators.highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
         return product / omega if omega > 0.0 else math.inf
 
     def _warn_of_small_steps(self) -> None:
@@ -388,8 +349,7 @@ class NewmarkProblem(Unique):
         diagonal = K.getDiagonal()
         limit = release_limit(self.space, diagonal.array_r, cell_sizes(self.space.mesh))
         diagonal.destroy()
-        assert self.account.forces is not None  # the start has set it
-        work = 0.5 * float(self.account.forces.internal @ self.stepper.state.displacement)
+        work = 0.5 * float(self.stepper.account.forces.internal @ self.stepper.motion.displacement)
         return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
 
     def check_growth(self) -> None:
@@ -397,25 +357,9 @@ class NewmarkProblem(Unique):
         if self._growth is not None:
             self._growth.check(self._energy, self.stepper.time)
 
-    def accept_step(self, state: State, values: TimeValues) -> None:
-        """Take over the state at the end of a converged step: history, contacts, works, functions. Collective.
-
-        Args:
-            state: motion at the end of the step.
-            values: what functions of time prescribe there.
-        """
-        for contact in self.contact:
-            contact.accept_step()
-        forces = self._balance.forces(state, values)
-        self.body.accept_step()
-        moved = state.displacement - self.stepper.state.displacement
-        self.account.add_step(forces, moved, values.places - self._places)
-        self._places = values.places
-        self.motion.set(state)
-
     def add_row(self) -> None:
         """Add the present energies and contact forces to the history. Collective."""
-        values = self._energies()
+        values = self.stepper.energies()
         row = np.zeros(1, dtype=self.run_history.step_type)
         for name, value in values.items():
             row[name] = value
@@ -427,19 +371,13 @@ class NewmarkProblem(Unique):
             recorder.add(rows)
         self._set_energy(values)
 
-    def _energies(self) -> dict[str, float]:
-        """Energies of the present state [F L]. Collective."""
-        state = self.stepper.state
-        kinetic = 0.5 * self.comm.allreduce(float(state.velocity @ self.inertia.times(state.velocity)))
-        return energies(kinetic, self._stored.value(), self.account.works, self.contact, self.has_history)
-
     def _set_energy(self, values: dict[str, float] | None = None) -> None:
         """Set the energies that `energy` shows. Collective.
 
         Args:
             values: energies, if they are known [F L].
         """
-        values = self._energies() if values is None else values
+        values = self.stepper.energies() if values is None else values
         self._energy = {**values, "total": total_energy(values), "drift": self.run_history.drift(values)}
 
     # --- running ---------------------------------------------------------------------------------------------------
@@ -530,15 +468,13 @@ class NewmarkProblem(Unique):
         if self.step == 0 and (update is not None or any(column >= 0 for _, _, column in self.supports)):
             # Only now is there a step over which prescribed motion can be differentiated.
             self.stepper.update(update, 0.0)
-            start = self.stepper.sample(dt, 0.0)
-            self.stepper.state = self._start(start)
-            self.account.forces = self._balance.forces(self.stepper.state, start)
+            self._cpp_object.start(dt)
             self.run_history.begin_anew()
             self.add_row()
         known, shortest = self.stepper.control, max(smallest, float(np.spacing(until)))
-        control = StepControl(dt, shortest, tolerance)
+        control = _cpp.integrators.StepControl(dt, shortest, tolerance)
         if known is not None and known.largest == dt and known.tolerance == tolerance:
-            control = StepControl(dt, shortest, tolerance, known.length, known.last)
+            control = _cpp.integrators.StepControl(dt, shortest, tolerance, known.length, known.last)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
         self.stepper.advance(until, control, limits, callback, update, progress, verbose)
         self.linear_solver.warn_of_unused()
@@ -613,10 +549,7 @@ class NewmarkProblem(Unique):
 
     def resume(self) -> None:
         """Compute what follows from a restored state. Collective."""
-        self.motion.set(self.stepper.state)
-        now = self.stepper.sample(None, self.time)
-        self._places = now.places
-        self._balance.body_residual(now.factors)  # stresses and energies of the restored history
+        self._cpp_object.resume()
         self._set_energy()
 
     # --- files -----------------------------------------------------------------------------------------------------
@@ -663,7 +596,7 @@ class NewmarkProblem(Unique):
             names, places = check_arguments(self, path, fields, every, points, points_every, options)
             moments = [arguments.number("times", t, unit=" [T]") for t in times]
             ranks.same(output=options, points=places, times=moments)
-        output = self.stepper.recorders, lambda: self.motion.set(self.stepper.state)
+        output = self.stepper.recorders, self._cpp_object.show_motion
         return Recorder(self, *output, path, names, every, places, points_every, moments, "implicit", options)
 
     def save(self, path: FilePath) -> None:

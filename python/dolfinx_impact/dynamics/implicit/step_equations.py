@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Equations of one implicit step, as Newton's method sees them; statics.equilibrium_problem.EquilibriumProblem."""
+"""Equations of one implicit step, as Newton's method sees them."""
 
 from __future__ import annotations
 
@@ -7,15 +7,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from dolfinx.fem import Function
-from petsc4py import PETSc
 
+from ... import _cpp
 from ...common.described import Described
 from ...common.types import BoolArray
 from ...contact.mortar.shared_nodes import connect
-from ...materials import MaterialMap, _Material
-from ...statics.bodies import assemble_residual
 from ...statics.linear_solver import LinearSolver
-from .moving_body import MovingBody
+from ...statics import newton
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import LagrangeContact
@@ -27,43 +25,45 @@ class StepEquations(Described):
 
     Args:
         u: displacement function [L].
-        material: material of the bodies; None for a residual of a user's own.
         axisymmetric: whether x is the radius.
-        body: bodies with inertia.
+        body: bodies with inertia (C++).
         contact: contacts.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         options: PETSc options, as for StaticProblem.
         prefix: prefix of PETSc options on the command line.
 
-    Attributes: as those of EquilibriumProblem.
+    Attributes:
+        u, contact, fixed: as given.
+        space: displacement space.
+        num_owned: number of owned degrees of freedom [1].
+        linear_solver: solver of the linear systems.
+        equilibrium: the equations as C++ sees them.
     """
 
     def __init__(
         self,
         u: Function,
-        material: _Material | MaterialMap | None,
         axisymmetric: bool,
-        body: MovingBody,
+        body: Any,
         contact: Sequence[LagrangeContact | QuadraturePenalty],
         fixed: BoolArray,
         options: dict[str, Any] | None,
         prefix: str,
     ) -> None:
         V = u.function_space
-        self.u, self.space, self.material, self.axisymmetric = u, V, material, axisymmetric
-        self.body, self.contact, self.fixed = body, contact, fixed
+        self.u, self.space, self.contact, self.fixed = u, V, contact, fixed
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         shared = connect(contact)
-        self.keeps_multipliers = shared or any(getattr(c, "basis", "dual") != "dual" for c in contact)
-        self.linear_solver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
-        self.exact_tangent = self.linear_solver.direct
-        self._b = body.vector()
-
-    @property
-    def tangent(self) -> MovingBody:
-        """Derivative of the bodies' residual."""
-        return self.body
-
-    def assemble_residual(self) -> PETSc.Vec:
-        """Assemble inertia, damping and internal minus external forces; owned entries are complete [F]. Collective."""
-        return assemble_residual(self.u, self.body, self._b)
+        keeps_multipliers = shared or any(getattr(c, "basis", "dual") != "dual" for c in contact)
+        self.linear_solver = LinearSolver(V, options, prefix, indefinite=keeps_multipliers)
+        self.equilibrium = _cpp.solve.EquilibriumProblem(
+            u._cpp_object,
+            body,
+            [newton.contact_in_cpp(c) for c in contact],
+            fixed,
+            self.linear_solver._cpp_object,
+            axisymmetric,
+            keeps_multipliers,
+            self.linear_solver.direct,
+            newton.field_numbers(V),
+        )

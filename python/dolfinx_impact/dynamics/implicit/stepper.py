@@ -7,7 +7,6 @@ import logging
 import math
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,68 +21,84 @@ from ...statics.load_steps import StepLog
 from ...statics.snes import Solver
 from ..advance_calls import AdvanceCalls, check_not_written
 from ..progress import ProgressBar
+from ..run_history import ENERGIES
 from ..step_schedule import StepSchedule
-from .motion import Prescribed, State, StepMotion, TimeValues
-from .step_control import StepControl
 
 if TYPE_CHECKING:
     from ..recorder import Recorder
     from .problem import NewmarkProblem
 
 LOG = logging.getLogger("dolfinx_impact")
-DIFFERENCE = 0.01  # of a step: half the distance at which functions of time are differentiated
 MOST_STEPS = 10**8  # in one call
 
 
-@dataclass
-class Before:
-    """State of this rank before a step, ghosts included.
-
-    Attributes:
-        displacement: displacement [L].
-        contacts: states of the contacts.
-        motion: velocity [L/T] and acceleration [L/T^2].
-    """
-
-    displacement: FloatArray
-    contacts: list[dict[str, Any]]
-    motion: tuple[FloatArray, FloatArray]
-
-
 class ImplicitStepper(Described):
-    """Steps an implicit problem in time.
+    """Steps an implicit problem in time: callbacks, recorders and display around the steps that C++ takes; see
+    cpp/dolfinx_impact/integrators/newmark/ImplicitStepper.h.
 
     Args:
-        problem: NewmarkProblem.
+        problem: NewmarkProblem with equations, inertia, excitation and functions.
+        body: bodies with inertia (C++).
 
     Attributes:
-        time: present time [T].
-        step: number of the present step [1].
-        state: motion at the present time; the problem sets that at the start.
-        control: lengths of steps; None before the first `advance`.
+        control: lengths of steps (C++); None before the first `advance`.
         calls: calls of `advance`.
         recorders: Recorders that write during the run.
-        iterations: Newton iterations of the last step [1].
-        cut_backs: number of steps so far that were repeated with half the length [1].
-        rejected: number of steps so far that were repeated because of their error [1].
     """
 
-    state: State
-    time: float
-    step: int
-    largest_displacement: float
-
-    def __init__(self, problem: NewmarkProblem) -> None:
+    def __init__(self, problem: NewmarkProblem, body: Any) -> None:
         self.problem, self.comm = problem, problem.comm
-        self.time, self.step = 0.0, 0
-        self.control: StepControl | None = None
+        self._cpp_object = _cpp.integrators.ImplicitStepper(
+            problem.equations.equilibrium, body, problem.scheme, _cpp.integrators.PythonExcitation(problem.excitation),
+            problem.inertia.total.array[: problem.num_owned], problem.velocity._cpp_object,
+            problem.acceleration._cpp_object,
+        )  # fmt: skip
+        self.control: Any = None
         self.recorders: list[Recorder] = []
-        self.iterations, self.cut_backs, self.rejected = 0, 0, 0
-        self.largest_displacement = 0.0
         self.calls = AdvanceCalls()
         self._rotation_warning = RotationWarning(problem.material)
         self._solver: Solver | None = None  # of the present `advance`
+        self._log: StepLog | None = None  # of it
         self._warned = False  # of values that came late
+
+    @property
+    def time(self) -> float:
+        """Present time [T]."""
+        return float(self._cpp_object.time)
+
+    @property
+    def step(self) -> int:
+        """Number of the present step [1]."""
+        return int(self._cpp_object.step)
+
+    @property
+    def motion(self) -> Any:
+        """Motion at the present time (C++): displacement [L], velocity [L/T], acceleration and mean [L/T^2]."""
+        return self._cpp_object.motion
+
+    @property
+    def account(self) -> Any:
+        """Forces at the present time, and works so far (C++)."""
+        return self._cpp_object.account
+
+    @property
+    def iterations(self) -> int:
+        """Newton iterations of the last step [1]."""
+        return int(self._cpp_object.iterations)
+
+    @property
+    def cut_backs(self) -> int:
+        """Number of steps so far that were repeated with half the length [1]."""
+        return int(self._cpp_object.cut_backs)
+
+    @property
+    def rejected(self) -> int:
+        """Number of steps so far that were repeated because of their error [1]."""
+        return int(self._cpp_object.rejected)
+
+    def energies(self) -> dict[str, float]:
+        """Energies at the present time by the names of ENERGIES [F L]. Collective."""
+        return dict(zip(ENERGIES, self._cpp_object.energies().tolist()))
 
     def set_control(self, length: float, largest: float, smallest: float, last: float, tolerance: float | None) -> None:
         """Set the lengths of steps from a checkpoint.
@@ -95,7 +110,8 @@ class ImplicitStepper(Described):
             last: length of the last step [T].
             tolerance: local error, or None [1].
         """
-        self.control = None if math.isnan(length) else StepControl(largest, smallest, tolerance, length, last)
+        new = None if math.isnan(length) else _cpp.integrators.StepControl(largest, smallest, tolerance, length, last)
+        self.control = new
 
     def forget(self) -> None:
         """Forget what the solver of the present `advance` keeps from one step to the next. Collective."""
@@ -105,7 +121,7 @@ class ImplicitStepper(Described):
     def advance(
         self,
         until: float,
-        control: StepControl,
+        control: Any,
         solver_arguments: dict[str, Any],
         callback: Callable[[NewmarkProblem], object] | None,
         update: Callable[[NewmarkProblem, float], object] | None,
@@ -116,7 +132,7 @@ class ImplicitStepper(Described):
 
         Args:
             until: time to advance to [T].
-            control: lengths of steps.
+            control: lengths of steps, StepControl (C++).
             solver_arguments: tolerances and limits of Newton's method by the names of statics.snes.Solver.
             callback: function that is called after each step, or None.
             update: function that sets values for a time, or None.
@@ -131,22 +147,20 @@ class ImplicitStepper(Described):
         log = StepLog(self.comm, verbose)
         with self.calls.running(), Interrupts(self.comm) as interrupts:
             with Solver(self.problem.equations, interrupts=interrupts, **solver_arguments) as solver:
-                self._solver = solver
+                self._solver, self._log = solver, log
                 try:
-                    self._advance(until, control, solver, callback, update, progress, log, interrupts)
+                    self._advance(until, control, callback, update, progress, interrupts)
                 finally:
-                    self._solver = None
+                    self._solver = self._log = None
             interrupts.check()
 
     def _advance(
         self,
         until: float,
-        control: StepControl,
-        solver: Solver,
+        control: Any,
         callback: Callable[[NewmarkProblem], object] | None,
         update: Callable[[NewmarkProblem, float], object] | None,
         progress: bool,
-        log: StepLog,
         interrupts: Interrupts,
     ) -> None:
         if callback and self.step == 0:
@@ -156,8 +170,8 @@ class ImplicitStepper(Described):
         with ProgressBar(self.comm, schedule, progress) as bar:
             while self.time < until:
                 goal = min([until, *(r.next_time for r in self.recorders if r.next_time > self.time)])
-                step, end = control.next(self.time, goal)
-                self._take(step, end, control, solver, log, update)
+                before = self.time
+                self._take(goal, control, update)
                 for recorder in self.recorders:
                     recorder.after()
                 error = self._called(callback, self.problem) if callback else None
@@ -165,82 +179,39 @@ class ImplicitStepper(Described):
                 error = error or attempt(self._warn_of_late_values, callback is not None)[1]
                 history = self.problem.run_history
                 assert history.last is not None  # the step has added its row
-                bar.show(self.step, self.time, step, history.drift(history.last))
+                bar.show(self.step, self.time, self.time - before, history.drift(history.last))
                 interrupts.check(error)
         self._rotation_warning.look(self.problem.u, stacklevel=4)
 
-    def _take(
-        self,
-        step: float,
-        end: float,
-        control: StepControl,
-        solver: Solver,
-        log: StepLog,
-        update: Callable[[NewmarkProblem, float], object] | None,
-    ) -> None:
-        """Take one step; the control decides about its repetition. Collective.
+    def _take(self, goal: float, control: Any, update: Callable[[NewmarkProblem, float], object] | None) -> None:
+        """Take one step on the way to a time. Collective.
 
         Raises:
             RuntimeError: it did not converge.
         """
-        log(f"step {self.step + 1}: to the time {end:.6g}, length {step:.3e}")
-        p, u = self.problem, self.problem.u.x
-        # What others wrote into the displacement function since the last step does not count.
-        u.array[: p.num_owned] = self.state.displacement
-        u.scatter_forward()
-        before = Before(u.array.copy(), [c.state().copy() for c in p.contact], p.motion.save())
-        error: float | None = None
-        self.update(update, end)
-        values = self.sample(step, end)
+        assert self._log is not None  # inside `advance`
         try:
-            increment, motion = self._attempt(step, values, solver, log)
-            if not increment.fault:
-                overlaps = [text for text in [c.prescribed_overlap() for c in p.contact] if text]
-                if overlaps:
-                    increment.failed("; ".join(overlaps), hopeless=True)
-        except BaseException as raised:  # Ctrl-C, a user's function: return to the last converged state
-            self._back(before)
+            self._cpp_object.take_step(goal, control, self._solve, self._log, lambda time: self.update(update, time))
+        except BaseException as raised:
             if is_common(self.comm, raised):
-                self._update_gaps(before)
+                self._cpp_object.update_gaps()
             raise
-        self.iterations = increment.iterations
-        if not increment.fault:
-            state = motion.end(u.array[: p.num_owned])
-            error = self._error(state, step)
-            if control.accepts(step, error):
-                self._accept(state, values, step, control, error)
-                return
-            self.rejected += 1
-            log(f"  the local error is {error:.1e}: repeated with a step of {control.length:.3e}")
-            self._back(before)
-            self._update_gaps(before)
-            return self._again(end, control, solver, log, update)
-        self._back(before)
-        self._update_gaps(before)
-        if increment.hopeless:
-            self.update(update, self.time)
-            raise RuntimeError(f"{increment.fault} (at the time {end:.6g})")
-        if not control.failed(step):
-            self.update(update, self.time)
-            raise RuntimeError(
-                f"{increment.fault} in the step to the time {end:.6g}, of length {step:.3e}; the problem is at the "
-                f"time {self.time:.6g}. Take a smaller step, or pass more iterations"
-            )
-        self.cut_backs += 1
-        log(f"  cut back to a step of {control.length:.3e}: {increment.fault}")
-        self._again(end, control, solver, log, update)
+        if self.problem.evaluates:
+            self.problem.inputs.store()
+        self.problem.add_row()
+        self.problem.check_growth()
 
-    def _again(
-        self,
-        goal: float,
-        control: StepControl,
-        solver: Solver,
-        log: StepLog,
-        update: Callable[[NewmarkProblem, float], object] | None,
-    ) -> None:
-        """Take a shorter step on the way to the end of one that was given up. Collective."""
-        step, end = control.next(self.time, goal)
-        self._take(step, end, control, solver, log, update)
+    def _solve(self, target: FloatArray) -> _cpp.solve.Increment:
+        """Solve the equations of one step. Collective.
+
+        Args:
+            target: displacements, owned and ghosts, of which prescribed entries are read [L].
+
+        Returns:
+            Increment; its `fault` says why it did not converge.
+        """
+        assert self._solver is not None and self._log is not None  # inside `advance`
+        return self._solver.run(target, self._log)
 
     def _called(self, function: Callable[..., object], *given: object) -> BaseException | None:
         """Call a user's function, which must not write to the motion.
@@ -252,10 +223,13 @@ class ImplicitStepper(Described):
         return error or attempt(self._check_not_written)[1]
 
     def _check_not_written(self) -> None:
-        shown = self.problem.u.x.array[: self.problem.num_owned]
-        u, v = np.array_equal(shown, self.state.displacement), self.problem.motion.shows_velocity(self.state)
-        shown[:] = self.state.displacement
-        check_not_written(u, v)
+        n, motion = self.problem.num_owned, self.motion
+        same = []
+        for f, values in ((self.problem.u, motion.displacement), (self.problem.velocity, motion.velocity)):
+            shown = f.x.array[:n]
+            same.append(bool(np.array_equal(shown, values)))
+            shown[:] = values
+        check_not_written(*same)
         self.problem.read.check()
 
     def update(self, update: Callable[[NewmarkProblem, float], object] | None, time: float) -> None:
@@ -283,113 +257,3 @@ class ImplicitStepper(Described):
                 "advance(..., update=function of problem and time)",
                 stacklevel=6,
             )
-
-    def sample(self, step: float | None, time: float) -> TimeValues:
-        """Sample all functions of time; an error on one rank is raised on all. Collective.
-
-        Args:
-            step: length of the step that ends or begins then; None: not known, velocities and accelerations are not
-                computed [T].
-            time: time [T].
-
-        Returns:
-            What they prescribe.
-        """
-        p = self.problem
-
-        def values() -> TimeValues:
-            factors, places = p.loads_in_time.factors(time), p.obstacles.places(time)
-            return TimeValues(time, self.prescribed(step, time), factors, places)
-
-        found, error = attempt(values)
-        agree(self.comm, error, "functions of time")
-        return found
-
-    def _attempt(
-        self, step: float, values: TimeValues, solver: Solver, log: StepLog
-    ) -> tuple[_cpp.solve.Increment, StepMotion]:
-        """Solve the equations of one step. Collective."""
-        p, prescribed = self.problem, values.prescribed
-        motion = StepMotion(p.scheme, step, self.state, p.inertia.massless, prescribed)
-        target = p.u.x.array.copy()
-        target[: p.num_owned] = np.where(prescribed.mask, prescribed.displacement, target[: p.num_owned])
-        target = p.motion.with_ghosts(target)
-        with p.loads_in_time.scaled(values.factors):
-            for k, contact in enumerate(p.contact):
-                contact.begin_step(p.u.x.array, values.places[k] if contact.pair.rigid else None, target)
-            p.moving_body.begin_step(motion)
-            if not p.contact:  # bodies that may touch begin where they are: contact is searched for from there
-                guess = np.where(prescribed.mask, p.u.x.array[: p.num_owned], motion.predictor())
-                p.u.x.array[: p.num_owned] = guess
-                p.u.x.scatter_forward()
-            increment = solver.run(target, log)
-        return increment, motion
-
-    def prescribed(self, step: float | None, time: float) -> Prescribed:
-        """Prescribed motion at a time; derivatives by central differences over a small part of a step.
-
-        Args:
-            step: length of the step that ends or begins then; None: not known, the derivatives are zero [T].
-            time: time [T].
-
-        Returns:
-            Displacement, velocity and acceleration of the prescribed degrees of freedom.
-        """
-        p, small = self.problem, DIFFERENCE * (step or 0.0)
-        middle = max(time, small)  # there is no time before the start
-        table = p.functions.table(np.array([middle - small, middle, middle + small, time]))
-        mask = np.zeros(p.num_owned, dtype=bool)
-        u, v, a = np.zeros(p.num_owned), np.zeros(p.num_owned), np.zeros(p.num_owned)
-        for dofs, values, column in p.supports:
-            mask[dofs] = True
-            u[dofs] = values
-            if column >= 0:
-                before, now, after, exact = table[:, column]
-                u[dofs] = values * exact
-                if small > 0.0:
-                    v[dofs] = values * (after - before) / (2.0 * small)
-                    a[dofs] = values * (after - 2.0 * now + before) / small**2
-        return Prescribed(mask, u, v, a)
-
-    def _error(self, state: State, step: float) -> float | None:
-        """Estimate of the local error of the displacement, relative to the largest displacement so far [1]; None
-        without a tolerance. Collective."""
-        assert self.control is not None  # advance has set it
-        if self.control.tolerance is None:
-            return None
-        p = self.problem
-        change = p.scheme.error_constant * step**2 * (state.mean - self.state.mean)
-        moved = state.displacement - p.start_displacement
-        sizes = [self._size(values) for values in (change, moved, step * state.velocity)]
-        self.largest_displacement = max(self.largest_displacement, *sizes[1:])
-        return sizes[0] / self.largest_displacement if self.largest_displacement > 0.0 else 0.0
-
-    def _size(self, values: FloatArray) -> float:
-        """Root of the mass-weighted mean square. Collective."""
-        mass = self.problem.inertia.total.array[: self.problem.num_owned]
-        sums = self.comm.allreduce(np.array([float(mass @ values**2), float(mass.sum())]))
-        return math.sqrt(sums[0] / sums[1])
-
-    def _accept(self, state: State, values: TimeValues, step: float, control: StepControl, error: float | None) -> None:
-        """Take over a converged step. Collective."""
-        self.problem.accept_step(state, values)
-        if self.problem.evaluates:
-            self.problem.inputs.store()
-        self.state, self.time, self.step = state, values.time, self.step + 1
-        self.problem.add_row()
-        control.done(step, self.iterations, error)
-        self.problem.check_growth()
-
-    def _back(self, before: Before) -> None:
-        """Return to the state before a step that is given up. It does not communicate: an exception may have come on
-        one rank alone."""
-        p = self.problem
-        p.u.x.array[:] = before.displacement
-        for contact, state in zip(p.contact, before.contacts):
-            contact.state().assign(state)
-        p.motion.bring_back(before.motion)
-
-    def _update_gaps(self, before: Before) -> None:
-        """Compute the gaps of the state before a step anew. Collective."""
-        for contact in self.problem.contact:
-            contact.update_gap(before.displacement)

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: MIT
+#include "ImplicitStepper.h"
+#include "../../common/OnAllRanks.h"
+#include "../../common/text.h"
+#include "../../operators/petsc_check.h"
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+using dolfinx_impact::common::text;
+
+namespace dolfinx_impact::integrators
+{
+/// State of this rank before a step, ghosts included.
+struct ImplicitStepper::Before
+{
+  std::vector<double> displacement, velocity, acceleration;
+  std::vector<state::State> contacts;
+};
+
+namespace
+{
+std::vector<double> copy_of(std::span<const double> values)
+{
+  return {values.begin(), values.end()};
+}
+
+std::vector<double> copy_of(const ImplicitStepper::Function& f)
+{
+  return copy_of(f.x()->array());
+}
+
+double sum(MPI_Comm comm, std::span<const double> a, std::span<const double> b)
+{
+  double out = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    out += a[i] * b[i];
+  MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_DOUBLE, MPI_SUM, comm);
+  return out;
+}
+} // namespace
+
+ImplicitStepper::ImplicitStepper(std::shared_ptr<const solve::EquilibriumProblem> equations,
+                                 std::shared_ptr<MovingBody> body, const ImplicitScheme& scheme,
+                                 std::shared_ptr<Excitation> excitation, std::vector<double> total_mass,
+                                 std::shared_ptr<Function> velocity, std::shared_ptr<Function> acceleration)
+    : _equations(std::move(equations)), _body(std::move(body)), _scheme(scheme), _excitation(std::move(excitation)),
+      _total_mass(std::move(total_mass)), _velocity(std::move(velocity)), _acceleration(std::move(acceleration))
+{
+  if (_total_mass.size() != _equations->num_owned() || _body->inertia().massless().size() != _total_mass.size())
+    throw std::invalid_argument("implicit steps: masses of another number than owned degrees of freedom");
+  const auto u = _equations->u->x()->array();
+  _start_displacement.assign(u.begin(), u.begin() + num_owned());
+  _motion.displacement = _start_displacement;
+}
+
+void ImplicitStepper::enter_contact()
+{
+  const TimeValues values = _excitation->sample({}, 0.0);
+  _equations->u->x()->scatter_fwd();
+  const auto& contacts = _equations->contacts;
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt);
+  for (const auto& contact : contacts)
+  {
+    contact->update_gap(u());
+    if (!contact->has_multipliers())
+      contact->update_active_set(true);
+    contact->accept_step();
+  }
+}
+
+/// Internal minus external forces of the bodies at the present displacement, owned [F]. Collective.
+std::vector<double> ImplicitStepper::body_residual(std::span<const double> factors)
+{
+  const Scaled scaled(*_excitation, factors);
+  operators::Entries b(_body->body().residual());
+  std::vector<double> out(num_owned());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] = b[i];
+  return out;
+}
+
+/// All forces at a time; those of supports balance the others. Collective.
+Forces ImplicitStepper::forces(const Motion& motion, const TimeValues& values)
+{
+  Forces out;
+  const std::vector<double> residual = body_residual(values.factors);
+  {
+    const Scaled scaled(*_excitation, values.factors);
+    out.external = _excitation->external_forces();
+  }
+  out.damping = _body->damping_forces(motion);
+  std::vector<double> balance = _body->inertia().times(motion.acceleration);
+  for (std::size_t i = 0; i < balance.size(); ++i)
+    balance[i] += out.damping[i] + residual[i];
+  for (const auto& contact : _equations->contacts)
+  {
+    const std::vector<double> pressed = contact->contact_forces();
+    for (std::size_t i = 0; i < balance.size(); ++i)
+      balance[i] -= pressed[i];
+    out.obstacles.push_back(contact->displacement() ? contact->force().value_or(std::array<double, 3>{})
+                                                    : std::array<double, 3>{});
+  }
+  out.internal = residual;
+  for (std::size_t i = 0; i < balance.size(); ++i)
+  {
+    out.internal[i] += out.external[i];
+    balance[i] = _equations->fixed[i] ? balance[i] : 0.0;
+  }
+  out.support = std::move(balance);
+  return out;
+}
+
+void ImplicitStepper::show_motion()
+{
+  std::ranges::copy(_motion.velocity, _velocity->x()->mutable_array().begin());
+  std::ranges::copy(_motion.acceleration, _acceleration->x()->mutable_array().begin());
+  _velocity->x()->scatter_fwd();
+  _acceleration->x()->scatter_fwd();
+}
+
+void ImplicitStepper::start(std::optional<double> step)
+{
+  const TimeValues values = _excitation->sample(step, 0.0);
+  _equations->u->x()->scatter_fwd();
+  _velocity->x()->scatter_fwd();
+  const std::size_t n = num_owned();
+  const auto v = _velocity->x()->array();
+  _motion.displacement.assign(u().begin(), u().begin() + n);
+  _motion.velocity.assign(v.begin(), v.begin() + n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (_equations->fixed[i])
+      _motion.velocity[i] = values.velocity[i];
+  std::vector<double> rest = body_residual(values.factors);
+  const std::vector<double> damping = _body->damping_forces(_motion);
+  for (std::size_t i = 0; i < n; ++i)
+    rest[i] = -(rest[i] + damping[i]);
+  for (const auto& contact : _equations->contacts)
+    if (!contact->has_multipliers())
+    {
+      const std::vector<double> pressed = contact->contact_forces();
+      for (std::size_t i = 0; i < n; ++i)
+        rest[i] += pressed[i];
+    }
+  _motion.acceleration = _body->inertia().accelerations(rest, _equations->fixed, values.acceleration);
+  _motion.mean = _motion.acceleration;
+  show_motion();
+  _places = values.places;
+  _account.set_forces(forces(_motion, values));
+}
+
+state::State ImplicitStepper::state()
+{
+  const std::size_t bs = _equations->space().dofmap()->index_map_bs();
+  state::State out("implicit problem");
+  out.add("time", state::Place::all, _time);
+  out.add("step", state::Place::all, _number);
+  out.add("start", state::Place::node, _start_displacement, bs);
+  out.add("largest displacement", state::Place::all, _largest_displacement);
+  out.add(_motion.state(bs));
+  out.add(_account.state(bs));
+  out.add(_body->state());
+  for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
+  {
+    state::State part("contact " + std::to_string(k));
+    part.add(_equations->contacts[k]->state());
+    out.add(std::move(part));
+  }
+  return out;
+}
+
+void ImplicitStepper::resume()
+{
+  std::ranges::copy(_motion.displacement, u().begin());
+  _equations->u->x()->scatter_fwd();
+  show_motion();
+  const TimeValues values = _excitation->sample({}, _time);
+  _places = values.places;
+  body_residual(values.factors); // stresses and energies of a restored history
+}
+
+void ImplicitStepper::update_gaps()
+{
+  for (const auto& contact : _equations->contacts)
+    contact->update_gap(u());
+}
+
+/// Displacement, functions and contacts are those before a step that is given up; without communication, as an
+/// exception may have come on one rank alone.
+void ImplicitStepper::go_back(const Before& before)
+{
+  std::ranges::copy(before.displacement, u().begin());
+  for (std::size_t k = 0; k < before.contacts.size(); ++k)
+    _equations->contacts[k]->state().assign(before.contacts[k]);
+  std::ranges::copy(before.velocity, _velocity->x()->mutable_array().begin());
+  std::ranges::copy(before.acceleration, _acceleration->x()->mutable_array().begin());
+}
+
+/// Solve the equations of one step. Collective.
+solve::Increment ImplicitStepper::attempt(double step, const TimeValues& values, const Solver& solver)
+{
+  const std::size_t n = num_owned();
+  const auto& contacts = _equations->contacts;
+  StepMotion motion(_scheme, step, _motion, _body->inertia().massless(), _equations->fixed, values);
+  Function target(_equations->u->function_space());
+  const std::span<double> goal = target.x()->mutable_array();
+  for (std::size_t i = 0; i < n; ++i)
+    goal[i] = _equations->fixed[i] ? values.displacement[i] : u()[i];
+  target.x()->scatter_fwd();
+  const Scaled scaled(*_excitation, values.factors);
+  for (std::size_t k = 0; k < contacts.size(); ++k)
+    contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt, goal);
+  const std::vector<double> guess = motion.predictor();
+  _body->begin_step(std::move(motion));
+  if (contacts.empty()) // bodies that may touch begin where they are: contact is searched for from there
+  {
+    for (std::size_t i = 0; i < n; ++i)
+      if (!_equations->fixed[i])
+        u()[i] = guess[i];
+    _equations->u->x()->scatter_fwd();
+  }
+  return solver(goal);
+}
+
+double ImplicitStepper::size(std::span<const double> values) const
+{
+  std::array<double, 2> sums{};
+  for (std::size_t i = 0; i < values.size(); ++i)
+  {
+    sums[0] += _total_mass[i] * values[i] * values[i];
+    sums[1] += _total_mass[i];
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_DOUBLE, MPI_SUM, _equations->comm());
+  return std::sqrt(sums[0] / sums[1]);
+}
+
+/// Estimate of the local error of the displacement, relative to the largest displacement so far [1]; nothing without a
+/// tolerance. Collective.
+std::optional<double> ImplicitStepper::error(const Motion& motion, double step, const StepControl& control)
+{
+  if (!control.tolerance())
+    return {};
+  const std::size_t n = num_owned();
+  std::vector<double> change(n), moved(n), travel(n);
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    change[i] = _scheme.error_constant() * step * step * (motion.mean[i] - _motion.mean[i]);
+    moved[i] = motion.displacement[i] - _start_displacement[i];
+    travel[i] = step * motion.velocity[i];
+  }
+  _largest_displacement = std::max({_largest_displacement, size(moved), size(travel)});
+  return _largest_displacement > 0.0 ? size(change) / _largest_displacement : 0.0;
+}
+
+/// Take over a converged step: history, contacts, works, functions. Collective.
+void ImplicitStepper::accept(Motion motion, const TimeValues& values)
+{
+  for (const auto& contact : _equations->contacts)
+    contact->accept_step();
+  Forces present = forces(motion, values);
+  _body->accept_step();
+  _account.add_step(_equations->comm(), std::move(present), _motion.displacement, motion.displacement, _places,
+                    values.places);
+  _places = values.places;
+  _motion = std::move(motion);
+  show_motion();
+  _time = values.time;
+  ++_number;
+}
+
+void ImplicitStepper::take_step(double goal, StepControl& control, const Solver& solver, const ImplicitEvents& events)
+{
+  const auto log = [&](const std::string& line)
+  {
+    if (events.log)
+      events.log(line);
+  };
+  const auto update = [&](double time)
+  {
+    if (events.update)
+      events.update(time);
+  };
+  for (;;)
+  {
+    const auto [step, end] = control.next(_time, goal);
+    goal = end; // shorter steps lead to the end of one that was given up
+    log("step " + std::to_string(_number + 1) + ": to the time " + text("%.6g", end) + ", length " +
+        text("%.3e", step));
+    // What others wrote into the displacement function since the last step does not count.
+    std::ranges::copy(_motion.displacement, u().begin());
+    _equations->u->x()->scatter_fwd();
+    Before before{copy_of(*_equations->u), copy_of(*_velocity), copy_of(*_acceleration), {}};
+    for (const auto& contact : _equations->contacts)
+      before.contacts.push_back(contact->state().copy());
+    update(end);
+    TimeValues values = _excitation->sample(step, end);
+    solve::Increment increment;
+    try
+    {
+      increment = attempt(step, values, solver);
+      if (increment.fault.empty())
+      {
+        std::vector<std::string> overlaps;
+        for (const auto& contact : _equations->contacts)
+          overlaps.push_back(contact->prescribed_overlap());
+        if (const std::string found = common::joined(overlaps); !found.empty())
+          increment.failed(found, true);
+      }
+    }
+    catch (const common::OnAllRanks&)
+    {
+      go_back(before);
+      update_gaps();
+      throw;
+    }
+    catch (...) // an interrupt, a user's function on one rank alone: return to the last converged state
+    {
+      go_back(before);
+      throw;
+    }
+    _iterations = increment.iterations;
+    if (increment.fault.empty())
+    {
+      Motion motion = _body->end_of_step();
+      const std::optional<double> found = error(motion, step, control);
+      if (control.accepts(step, found))
+      {
+        accept(std::move(motion), values);
+        control.done(step, _iterations, found);
+        return;
+      }
+      ++_rejected;
+      log("  the local error is " + text("%.1e", *found) + ": repeated with a step of " +
+          text("%.3e", control.length()));
+      go_back(before);
+      update_gaps();
+      continue;
+    }
+    go_back(before);
+    update_gaps();
+    const bool hopeless = increment.hopeless;
+    if (hopeless || !control.failed(step))
+    {
+      update(_time);
+      throw common::Failure(increment.fault +
+                            (hopeless ? " (at the time " + text("%.6g", end) + ")"
+                                      : " in the step to the time " + text("%.6g", end) + ", of length " +
+                                            text("%.3e", step) + "; the problem is at the time " + text("%.6g", _time) +
+                                            ". Take a smaller step, or pass more iterations"));
+    }
+    ++_cut_backs;
+    log("  cut back to a step of " + text("%.3e", control.length()) + ": " + increment.fault);
+  }
+}
+
+Energies ImplicitStepper::energies()
+{
+  Energies out;
+  out.kinetic = 0.5 * sum(_equations->comm(), _motion.velocity, _body->inertia().times(_motion.velocity));
+  const Works& works = _account.works();
+  const std::optional<double> stored = _body->stored_energy();
+  out.internal = stored.value_or(works.internal);
+  if (_body->inelastic())
+    out.plastic = works.internal - out.internal;
+  for (const auto& contact : _equations->contacts)
+  {
+    out.contact += contact->stored_energy();
+    out.friction += contact->dissipated();
+  }
+  out.damping = works.damping;
+  out.external = works.external;
+  return out;
+}
+} // namespace dolfinx_impact::integrators

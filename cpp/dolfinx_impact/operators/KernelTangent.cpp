@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "KernelTangent.h"
+#include "../kernels/check.h"
+#include <algorithm>
+#include <dolfinx/fem/assembler.h>
+#include <dolfinx/fem/petsc.h>
+#include <dolfinx/fem/sparsitybuild.h>
+#include <dolfinx/la/petsc.h>
+#include <stdexcept>
+
+namespace dolfinx_impact::operators
+{
+namespace
+{
+/// Empty pattern of a matrix between two spaces.
+dolfinx::la::SparsityPattern empty_pattern(const FunctionSpace& rows, const FunctionSpace& columns)
+{
+  const auto &of_rows = *rows.dofmap(), &of_columns = *columns.dofmap();
+  return {rows.mesh()->comm(),
+          {of_rows.index_map, of_columns.index_map},
+          {of_rows.index_map_bs(), of_columns.index_map_bs()}};
+}
+
+/// Degrees of freedom that conditions on a space prescribe, owned and ghosts; empty without conditions.
+std::vector<std::int8_t> constrained_dofs(const FunctionSpace& V, const KernelTangent::BoundaryConditions& bcs)
+{
+  std::vector<std::int8_t> marked;
+  if (bcs.empty())
+    return marked;
+  const auto& map = *V.dofmap();
+  marked.resize(std::size_t(map.index_map->size_local() + map.index_map->num_ghosts()) * map.index_map_bs(), 0);
+  for (const auto& bc : bcs)
+    if (V.contains(*bc->function_space()))
+      bc->mark_dofs(marked);
+  return marked;
+}
+} // namespace
+
+KernelTangent::Part::Part(const Integral& integral, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
+                          const Coefficients& coefficients)
+    : kernel(integral.kernel), matrix(*kernel), values(*kernel, *V[0], coefficients, integral.history),
+      entities(integral.entities), facets(std::string(kernel->integral_type) == "exterior_facet")
+{
+  if (std::string(kernel->integral_type) == "interior_facet")
+    throw std::invalid_argument(std::string("kernel ") + kernel->name +
+                                " is of interior facets: their matrices are assembled by DOLFINx's own kernels");
+  for (int a = 0; a < kernel->rank; ++a)
+    kernels::check_space(*kernel, kernel->arguments[a], *V[a], a ? "trial space" : "test space");
+  if (facets && entities.size() % 2)
+    throw std::invalid_argument("facet integrals take pairs (cell, local facet)");
+  set_constants(integral.constants);
+}
+
+void KernelTangent::Part::set_constants(std::span<const double> c)
+{
+  if (int(c.size()) != kernel->size_c)
+    throw std::invalid_argument(std::string("kernel ") + kernel->name + " takes " + std::to_string(kernel->size_c) +
+                                " values of constants, found " + std::to_string(c.size()));
+  constants.assign(c.begin(), c.end());
+}
+
+std::vector<std::int32_t> KernelTangent::Part::cells() const
+{
+  if (!facets)
+    return entities;
+  std::vector<std::int32_t> out;
+  for (std::size_t i = 0; i < entities.size(); i += 2)
+    out.push_back(entities[i]);
+  return out;
+}
+
+KernelTangent::KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
+                             const std::vector<Integral>& integrals, const Coefficients& coefficients,
+                             std::shared_ptr<const dolfinx::fem::Form<double>> other)
+    : _V(V), _other(std::move(other))
+{
+  _parts.reserve(integrals.size());
+  for (const Integral& integral : integrals)
+    _parts.emplace_back(integral, V, coefficients);
+  dolfinx::la::SparsityPattern pattern =
+      _other ? dolfinx::fem::create_sparsity_pattern(*_other) : empty_pattern(*V[0], *V[1]);
+  for (const Part& part : _parts)
+  {
+    const std::vector<std::int32_t> cells = part.cells();
+    dolfinx::fem::sparsitybuild::cells(pattern, {cells, cells}, {*V[0]->dofmap(), *V[1]->dofmap()});
+    _A.resize(std::max(_A.size(), std::size_t(part.matrix.num_rows()) * part.matrix.num_columns()));
+  }
+  pattern.finalize();
+  _matrix = dolfinx::la::petsc::create_matrix(V[0]->mesh()->comm(), pattern);
+}
+
+KernelTangent::~KernelTangent()
+{
+  MatDestroy(&_matrix);
+}
+
+void KernelTangent::add(Part& part, const std::array<std::vector<std::int8_t>, 2>& constrained)
+{
+  auto insert = dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES);
+  const auto &rows = *_V[0]->dofmap(), &columns = *_V[1]->dofmap();
+  const int num_rows = part.matrix.num_rows(), num_columns = part.matrix.num_columns(), stride = part.facets ? 2 : 1;
+  const std::span<double> A(_A.data(), std::size_t(num_rows) * num_columns);
+  for (std::size_t e = 0; e < part.entities.size(); e += stride)
+  {
+    const std::int32_t cell = part.entities[e];
+    part.values.gather(cell);
+    std::ranges::fill(A, 0.0);
+    part.matrix.add(A.data(), part.values.w(), part.constants, part.values.nodes(),
+                    part.facets ? part.entities[e + 1] : 0);
+    const auto dofs = rows.cell_dofs(cell), trial_dofs = columns.cell_dofs(cell);
+    if (!constrained[0].empty())
+      for (int i = 0; i < num_rows; ++i)
+        if (constrained[0][rows.bs() * dofs[i / rows.bs()] + i % rows.bs()])
+          std::fill_n(A.begin() + std::ptrdiff_t(i) * num_columns, num_columns, 0.0);
+    if (!constrained[1].empty())
+      for (int j = 0; j < num_columns; ++j)
+        if (constrained[1][columns.bs() * trial_dofs[j / columns.bs()] + j % columns.bs()])
+          for (int i = 0; i < num_rows; ++i)
+            A[std::size_t(i) * num_columns + j] = 0.0;
+    insert(dofs, trial_dofs, A);
+  }
+}
+
+void KernelTangent::assemble(const BoundaryConditions& bcs)
+{
+  MatZeroEntries(_matrix);
+  const std::array constrained{constrained_dofs(*_V[0], bcs), constrained_dofs(*_V[1], bcs)};
+  for (Part& part : _parts)
+    add(part, constrained);
+  if (_other)
+    dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES), *_other, bcs);
+  if (!bcs.empty() && _V[0] == _V[1])
+  {
+    MatAssemblyBegin(_matrix, MAT_FLUSH_ASSEMBLY);
+    MatAssemblyEnd(_matrix, MAT_FLUSH_ASSEMBLY);
+    dolfinx::fem::set_diagonal(dolfinx::la::petsc::Matrix::set_fn(_matrix, INSERT_VALUES), *_V[0], bcs);
+  }
+  MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY);
+  MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY);
+}
+} // namespace dolfinx_impact::operators

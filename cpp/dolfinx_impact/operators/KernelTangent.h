@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "Batches.h"
+#include "CellMatrix.h"
+#include "CellValues.h"
+#include <dolfinx/fem/DirichletBC.h>
+#include <dolfinx/fem/Form.h>
+#include <petscmat.h>
+
+namespace dolfinx_impact::operators
+{
+/// Matrix of a bilinear form in a PETSc matrix that is made once: kernels of this project, and a form of DOLFINx with
+/// FFCx's kernels. Either may be missing.
+class KernelTangent
+{
+public:
+  typedef std::vector<std::shared_ptr<const dolfinx::fem::DirichletBC<double>>> BoundaryConditions;
+
+  /// Collective.
+  /// @param[in] V test and trial space
+  /// @param[in] integrals kernels that CellMatrix takes, on cells or exterior facets; their histories are read, of the
+  ///   last step, and the solution of the local equations of the last evaluation
+  /// @param[in] coefficients by name; their values are read anew at every call
+  /// @param[in] other form of rank 2 that is added; null: nothing is
+  /// @throws std::runtime_error if a kernel is not for this mesh or these spaces (kernels/check.h)
+  /// @throws std::invalid_argument if a coefficient, constant or history is missing, or for interior facets
+  KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V, const std::vector<Integral>& integrals,
+                const Coefficients& coefficients, std::shared_ptr<const dolfinx::fem::Form<double>> other = nullptr);
+  ~KernelTangent();
+  KernelTangent(const KernelTangent&) = delete;
+  KernelTangent& operator=(const KernelTangent&) = delete;
+
+  /// Assemble at the present coefficients; constrained rows and columns are zeroed, with one on the diagonal.
+  /// Collective.
+  /// @pre coefficients have up-to-date ghost values
+  void assemble(const BoundaryConditions& bcs = {});
+
+  /// Replace the constants of integral i.
+  void set_constants(std::size_t i, std::span<const double> c) { _parts.at(i).set_constants(c); }
+  /// Borrowed PETSc matrix, valid as long as this object.
+  Mat matrix() const { return _matrix; }
+
+private:
+  /// One integral.
+  class Part
+  {
+  public:
+    Part(const Integral& integral, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
+         const Coefficients& coefficients);
+    void set_constants(std::span<const double> c);
+    /// Cells of the entities.
+    std::vector<std::int32_t> cells() const;
+
+    const impact_kernel* kernel;
+    CellMatrix matrix;
+    CellValues values;
+    std::vector<std::int32_t> entities;
+    std::vector<double> constants;
+    bool facets; ///< of exterior facets: entities are pairs
+  };
+
+  void add(Part& part, const std::array<std::vector<std::int8_t>, 2>& constrained);
+
+  std::array<std::shared_ptr<const FunctionSpace>, 2> _V;
+  std::vector<Part> _parts;
+  std::shared_ptr<const dolfinx::fem::Form<double>> _other;
+  std::vector<double> _A; ///< matrix of a cell
+  Mat _matrix = nullptr;
+};
+} // namespace dolfinx_impact::operators

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "AssembledBody.h"
+#include "../operators/petsc_check.h"
+#include <dolfinx/fem/assembler.h>
+#include <dolfinx/la/petsc.h>
+#include <functional>
+#include <utility>
+
+namespace dolfinx_impact::problems
+{
+namespace
+{
+/// Give an operator the present values of its constants.
+template <typename Operator>
+void set_constants(Operator& target, const std::vector<Constants>& constants)
+{
+  std::vector<double> values;
+  for (std::size_t i = 0; i < constants.size(); ++i)
+  {
+    if (constants[i].empty())
+      continue;
+    values.clear();
+    for (const auto& constant : constants[i])
+      values.insert(values.end(), constant->value.begin(), constant->value.end());
+    target.set_constants(i, values);
+  }
+}
+} // namespace
+
+AssembledBody::AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
+                             std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
+                             BodyKernels kernels)
+    : _u(std::move(u)), _form(std::move(residual)), _tangent(std::move(tangent)), _properties(properties),
+      _kernels(std::move(kernels)),
+      _values(_u->function_space()->dofmap()->index_map, _u->function_space()->dofmap()->index_map_bs())
+{
+  // Rows of prescribed degrees of freedom are zeroed and filled again.
+  operators::check(MatSetOption(_tangent->matrix(), MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE), "keeping a pattern");
+  _loads.assign(_values.array().size(), 0.0);
+  _residual = dolfinx::la::petsc::create_vector_wrap(_values);
+}
+
+AssembledBody::~AssembledBody()
+{
+  VecDestroy(&_residual);
+}
+
+void AssembledBody::update_ghosts()
+{
+  _u->x()->scatter_fwd();
+  for (const auto& f : _kernels.functions)
+    f->x()->scatter_fwd();
+}
+
+Vec AssembledBody::residual()
+{
+  update_ghosts();
+  const operators::Entries values(_residual); // those of _values; PETSc is told that they change
+  std::span<double> b = _values.mutable_array();
+  for (std::size_t i = 0; i < b.size(); ++i)
+    b[i] = -_loads[i];
+  std::fill(b.begin() + std::ptrdiff_t(values.size()), b.end(), 0.0); // ghosts
+  if (_kernels.force)
+  {
+    set_constants(*_kernels.force, _kernels.force_constants);
+    _kernels.force->assemble(b);
+  }
+  if (_form)
+    dolfinx::fem::assemble_vector(b, *_form);
+  _values.scatter_rev(std::plus<double>());
+  return _residual;
+}
+
+Mat AssembledBody::tangent()
+{
+  update_ghosts();
+  set_constants(*_tangent, _kernels.tangent_constants);
+  _tangent->assemble();
+  return _tangent->matrix();
+}
+
+std::string AssembledBody::fault()
+{
+  return _kernels.force ? _kernels.force->fault() : "";
+}
+
+void AssembledBody::accept_step()
+{
+  if (_kernels.force)
+    _kernels.force->commit();
+}
+
+std::optional<double> AssembledBody::stored_energy()
+{
+  if (!_kernels.energy_is_known)
+    return std::nullopt;
+  double sum = _kernels.force->sum("elastic") + (_kernels.energy ? _kernels.energy->value() : 0.0);
+  MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, _u->function_space()->mesh()->comm());
+  return sum;
+}
+
+state::State AssembledBody::state()
+{
+  state::State out("bodies");
+  if (_kernels.force)
+    for (std::size_t i = 0; i < _kernels.force->num_integrals(); ++i)
+      if (const auto& history = _kernels.force->history(i))
+        out.add(history->state("history " + std::to_string(i)));
+  return out;
+}
+} // namespace dolfinx_impact::problems

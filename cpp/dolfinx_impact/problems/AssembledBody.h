@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../operators/InternalForce.h"
+#include "../operators/KernelTangent.h"
+#include "../solve/Body.h"
+#include <dolfinx/fem/Constant.h>
+#include <dolfinx/la/Vector.h>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace dolfinx_impact::problems
+{
+typedef std::shared_ptr<const dolfinx::fem::Form<double>> Form;
+
+/// Constants of a form that kernels read, one behind the other: their values are read anew at every call.
+typedef std::vector<std::shared_ptr<const dolfinx::fem::Constant<double>>> Constants;
+
+/// What is assembled by kernels.
+struct BodyKernels
+{
+  std::shared_ptr<operators::InternalForce> force;  ///< residual; it keeps the internal variables
+  std::shared_ptr<operators::InternalForce> energy; ///< of laws without internal variables; null: there are none
+  bool energy_is_known = false;                     ///< it is that of all the force's integrals, and there is no form
+  /// Constants of its integrals and of the tangent's kernels; empty: the integrals have fixed values.
+  std::vector<Constants> force_constants, tangent_constants;
+  /// Functions that they read: their ghosts are updated before every call.
+  std::vector<std::shared_ptr<dolfinx::fem::Function<double>>> functions;
+};
+
+/// Bodies that are assembled by kernels of this project, by forms of DOLFINx, or both: sums of them.
+class AssembledBody : public solve::Body
+{
+public:
+  /// @param[in] u displacement
+  /// @param[in] residual form of rank 1 of the residual, or of what is added to that of the kernels; null: nothing
+  /// @param[in] tangent its derivative, with that of the kernels
+  AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
+                std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
+                BodyKernels kernels = {});
+  ~AssembledBody() override;
+  AssembledBody(const AssembledBody&) = delete;
+  AssembledBody& operator=(const AssembledBody&) = delete;
+
+  Vec residual() override;
+  Mat tangent() override;
+  std::string fault() override;
+  void accept_step() override;
+  state::State state() override;
+  /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
+  std::optional<double> stored_energy() override;
+  bool linear() const override { return _properties.linear; }
+  bool keeps_tangent() const override { return _properties.keeps_tangent; }
+  bool symmetric() const override { return _properties.symmetric; }
+  bool inelastic() const override { return _properties.inelastic; }
+  bool has_inertia() const override { return _properties.has_inertia; }
+  bool has_springs() const override { return _properties.has_springs; }
+  bool rounds_positions() const override { return _properties.rounds_positions; }
+
+  /// External forces at owned and ghost degrees of freedom, zero at first; ghosts are not read [F].
+  std::vector<double>& loads() { return _loads; }
+  /// Operator of the kernels' residual, which keeps the internal variables; null without kernels.
+  const std::shared_ptr<operators::InternalForce>& force() const { return _kernels.force; }
+  /// The matrix of `tangent`, as it was assembled last, borrowed [F/L].
+  Mat matrix() const { return _tangent->matrix(); }
+
+private:
+  void update_ghosts();
+
+  std::shared_ptr<dolfinx::fem::Function<double>> _u;
+  Form _form;
+  std::shared_ptr<operators::KernelTangent> _tangent;
+  solve::BodyProperties _properties;
+  BodyKernels _kernels;
+  dolfinx::la::Vector<double> _values;
+  std::vector<double> _loads;
+  Vec _residual = nullptr; ///< has the entries of `_values`
+};
+} // namespace dolfinx_impact::problems

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../operators/petsc_check.h"
+#include "../solve/Body.h"
+#include <memory>
+#include <vector>
+
+namespace dolfinx_impact::problems
+{
+/// Bodies with nodal external forces that do not follow them.
+class LoadedBody : public solve::Body
+{
+public:
+  /// @param[in] num_owned owned degrees of freedom
+  LoadedBody(std::shared_ptr<solve::Body> body, std::size_t num_owned) : _body(std::move(body)), _forces(num_owned) {}
+
+  Vec residual() override
+  {
+    Vec b = _body->residual();
+    operators::Entries entries(b);
+    for (std::size_t i = 0; i < _forces.size(); ++i)
+      entries[i] -= _forces[i];
+    return b;
+  }
+  Mat tangent() override { return _body->tangent(); }
+  std::string fault() override { return _body->fault(); }
+  void accept_step() override { _body->accept_step(); }
+  state::State state() override { return _body->state(); }
+  std::optional<double> stored_energy() override { return _body->stored_energy(); }
+  bool linear() const override { return _body->linear(); }
+  bool keeps_tangent() const override { return _body->keeps_tangent(); }
+  bool symmetric() const override { return _body->symmetric(); }
+  bool inelastic() const override { return _body->inelastic(); }
+  bool has_inertia() const override { return _body->has_inertia(); }
+  bool has_springs() const override { return _body->has_springs(); }
+  bool rounds_positions() const override { return _body->rounds_positions(); }
+  std::span<const double> origin() const override { return _body->origin(); }
+
+  /// External forces, owned [F].
+  std::vector<double>& forces() { return _forces; }
+
+private:
+  std::shared_ptr<solve::Body> _body;
+  std::vector<double> _forces;
+};
+} // namespace dolfinx_impact::problems

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: MIT
+"""Supports and contacts of a problem in time, as the C++ side takes them."""
+
+import numpy as np
+from dolfinx.fem import DirichletBC
+
+from .. import _cpp
+from ..amplitude import PrescribedMotion
+from ..contact.explicit.nodal import NodalResult
+from .functions_of_time import FunctionsOfTime
+
+
+def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOfTime) -> _cpp.problems.PrescribedMotion:
+    """A support.
+
+    Args:
+        bc: condition whose values are constant, or function of time.
+        functions: receives the function of time.
+
+    Returns:
+        The C++ object, which has the amplitude at the start.
+    """
+    if not isinstance(bc, PrescribedMotion):
+        return _cpp.problems.PrescribedMotion(bc._cpp_object, None)
+    functions.add(bc.amplitude)
+    return _cpp.problems.PrescribedMotion(bc.bc._cpp_object, bc.amplitude.sample(np.zeros(1))[0])
+
+
+def contact_in_time(contact: NodalResult, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
+    """A contact.
+
+    Args:
+        contact: contact of an explicit problem.
+        functions: receives the motion of a rigid master.
+
+    Returns:
+        The C++ object.
+    """
+    start = None
+    if contact.motion is not None:
+        functions.add(contact.motion)
+        start = contact.motion.sample(np.zeros(1))[0]
+    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.spring_frequency())
