@@ -13,6 +13,7 @@
 #include "petsc_objects.h"
 #include <algorithm>
 #include <caster_mpi.h>
+#include <nanobind/stl/complex.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 
@@ -429,6 +430,22 @@ void bind_eigenvalues(nb::module_& m)
       "lowest_eigenvalues", [](Mat A, Mat B, int count, double shift, double tolerance)
       { return take(lowest_eigenvalues(A, B, count, shift, {.tolerance = tolerance})); }, nb::arg("A"), nb::arg("B"),
       nb::arg("count"), nb::arg("shift"), nb::arg("tolerance"), "Eigenvalues near a shift, ascending. Collective");
+  m.def(
+      "quadratic_eigenpairs",
+      [](Mat K, Mat G, Mat M, int count, double shift, double tolerance, int max_iterations)
+      {
+        nb::list out;
+        const EigenOptions options{.tolerance = tolerance, .max_iterations = max_iterations};
+        for (const QuadraticEigenpair& pair : quadratic_eigenpairs(K, G, M, count, shift, options))
+          out.append(nb::make_tuple(pair.value, nb::cast(pair.real, nb::rv_policy::take_ownership),
+                                    nb::cast(pair.imaginary, nb::rv_policy::take_ownership)));
+        return out;
+      },
+      nb::arg("K"), nb::arg("G"), nb::arg("M"), nb::arg("count"), nb::arg("shift"), nb::arg("tolerance"),
+      nb::arg("max_iterations"),
+      "Solutions of (s^2 M + s G + K) x = 0 nearest to a shift: s, x (two parts). Collective");
+  m.def("num_negative_eigenvalues", &num_negative_eigenvalues, nb::arg("A"),
+        "Negative eigenvalues of a symmetric matrix, counted. Collective");
 }
 } // namespace
 

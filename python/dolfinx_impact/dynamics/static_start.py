@@ -10,6 +10,7 @@ import scipy
 from dolfinx import fem
 from mpi4py import MPI
 
+from .. import _cpp
 from ..assembly import problem_arguments
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
@@ -50,29 +51,6 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
             raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")
 
 
-def connected_nodes(V: fem.FunctionSpace, nodes: IntArray) -> IntArray:
-    """Nodes of the bodies that some nodes belong to, over all ranks, owned and ghosts. Collective.
-
-    Args:
-        V: displacement space.
-        nodes: nodes of this rank.
-    """
-    mesh, index_map = V.mesh, V.dofmap.index_map
-    cells_map, total = mesh.topology.index_map(mesh.topology.dim), NodalSum(index_map, 1)
-    cells = V.dofmap.list[: cells_map.size_local + cells_map.num_ghosts]
-    pairs = np.repeat(cells[:, :1], cells.shape[1] - 1, axis=1).ravel(), cells[:, 1:].ravel()
-    graph = scipy.sparse.coo_matrix((np.ones(len(pairs[0])), pairs), shape=(total.num_nodes, total.num_nodes))
-    body = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-    reached: FloatArray = np.zeros(total.num_nodes)
-    reached[nodes] = 1.0
-    while True:
-        before = np.count_nonzero(reached)
-        here = np.isin(body, body[reached > 0.0]).astype(np.float64)
-        reached = np.asarray(total(here).ravel() > 0.0, dtype=np.float64)
-        if not mesh.comm.allreduce(int(np.count_nonzero(reached) != before), MPI.SUM):
-            return np.flatnonzero(reached).astype(np.int32)
-
-
 def free_directions(problem: ExplicitProblem, nodes: IntArray) -> BoolArray:
     """Directions in which no node of a body is held, (gdim). Collective.
 
@@ -111,7 +89,7 @@ def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, An
     bodies = {}
     for k in bearing:
         slave, _ = static.contact[k].pair.surfaces(V)
-        nodes = connected_nodes(V, np.unique(slave.nodes))
+        nodes = _cpp.operators.nodes_of_bodies(V._cpp_object, np.unique(slave.nodes))
         start = SpringStart(static.contact[k], nodes, problem, free_directions(problem, nodes), k)
         u.x.array[:] = start.moved(u.x.array, start.approach())
         bodies[k] = start
