@@ -8,23 +8,30 @@ using namespace dolfinx_impact::problems;
 using dolfinx_impact::operators::InternalForce;
 using dolfinx_impact::operators::KernelTangent;
 using dolfinx_impact::solve::Body;
-using dolfinx_impact::solve::BodyProperties;
 
 void dolfinx_impact::bindings::bodies(nb::module_& m)
 {
   typedef std::shared_ptr<dolfinx::fem::Function<double>> Function;
+  nb::class_<KernelForce>(m, "KernelForce", "An operator, and the constants of each of its integrals")
+      .def(
+          "__init__", [](KernelForce* self, std::shared_ptr<InternalForce> force, std::vector<Constants> constants)
+          { new (self) KernelForce{std::move(force), std::move(constants)}; }, nb::arg("force"), nb::arg("constants"));
   nb::class_<AssembledBody, Body>(m, "AssembledBody", "Bodies that kernels, forms of DOLFINx, or both assemble")
       .def(
           "__init__",
           [](AssembledBody* self, Function u, Form residual, std::shared_ptr<KernelTangent> tangent,
-             const BodyProperties& properties, std::shared_ptr<InternalForce> force,
-             std::vector<Constants> force_constants, std::vector<Constants> tangent_constants,
-             std::vector<Function> functions)
+             std::vector<KernelForce> forces, std::vector<KernelForce> energies, bool energy_is_known,
+             std::vector<Constants> tangent_constants, std::vector<Function> functions, bool linear, bool keeps_tangent,
+             bool symmetric, bool inelastic, bool has_springs, bool rounds_positions)
           {
+            const dolfinx_impact::solve::BodyProperties properties{linear, keeps_tangent, symmetric,       inelastic,
+                                                                   false,  has_springs,   rounds_positions};
             new (self) AssembledBody(std::move(u), std::move(residual), std::move(tangent), properties,
-                                     {std::move(force), nullptr, false, std::move(force_constants),
+                                     {std::move(forces), std::move(energies), energy_is_known,
                                       std::move(tangent_constants), std::move(functions)});
           },
-          nb::arg("u"), nb::arg("residual").none(), nb::arg("tangent"), nb::arg("properties"), nb::arg("force").none(),
-          nb::arg("force_constants"), nb::arg("tangent_constants"), nb::arg("functions"));
+          nb::arg("u"), nb::arg("residual").none(), nb::arg("tangent"), nb::arg("forces"), nb::arg("energies"),
+          nb::arg("energy_is_known"), nb::arg("tangent_constants"), nb::arg("functions"), nb::arg("linear"),
+          nb::arg("keeps_tangent"), nb::arg("symmetric"), nb::arg("inelastic"), nb::arg("has_springs"),
+          nb::arg("rounds_positions"));
 }

@@ -38,13 +38,13 @@ NB_MODULE(_cpp, m)
   nb::module_ solve = m.def_submodule("solve", "Newton's method, linear systems and their solvers");
   dolfinx_impact::bindings::solve(solve);
   dolfinx_impact::bindings::mortar_contact(multipliers);
-  nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");
-  dolfinx_impact::bindings::bodies(problems);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
   dolfinx_impact::bindings::newmark(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
   dolfinx_impact::bindings::nodal(nodal);
+  nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");
+  dolfinx_impact::bindings::bodies(problems);
   dolfinx_impact::bindings::problems(problems);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   dolfinx_impact::bindings::bench(bench);

@@ -149,6 +149,10 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
             return take(std::vector<std::int32_t>(owners.begin(), owners.end()));
           },
           nb::rv_policy::move)
+      .def_prop_ro("facet_length", &NodeToSurface::facet_length)
+      .def(
+          "too_deep", [](const NodeToSurface& self, Values u) { return self.too_deep({u.data(), u.size()}); },
+          nb::arg("u"), "Nodes in a rigid master by more than half a facet; None: it is deformable")
       .def(
           "number",
           [](NodeToSurface& self, Halo& halo, Values mass)

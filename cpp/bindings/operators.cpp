@@ -32,17 +32,26 @@ Integral integral(std::uintptr_t kernel, const Indices& entities, const Values& 
 
 void bind_tangent(nb::module_& m)
 {
+  nb::class_<CellValues::Source>(m, "Source", "Where a coefficient comes from: a function, a history, or neither")
+      .def(
+          "__init__", [](CellValues::Source* self, std::shared_ptr<const Function> function, std::string field)
+          { new (self) CellValues::Source{std::move(function), std::move(field)}; },
+          nb::arg("function").none() = nb::none(), nb::arg("field") = "");
   nb::class_<KernelTangent>(m, "KernelTangent", "Matrix of kernels and of a form of DOLFINx, made once")
       .def(
           "__init__",
           [](KernelTangent* self, std::shared_ptr<const FunctionSpace> rows,
              std::shared_ptr<const FunctionSpace> columns, const std::vector<Integral>& integrals,
-             const Coefficients& coefficients, std::shared_ptr<const dolfinx::fem::Form<double>> other)
+             const std::vector<std::vector<CellValues::Source>>& sources,
+             std::shared_ptr<const dolfinx::fem::Form<double>> other)
           {
-            new (self) KernelTangent({std::move(rows), std::move(columns)}, integrals, coefficients, std::move(other));
+            std::vector<KernelTangent::Named> named;
+            for (std::size_t i = 0; i < integrals.size(); ++i)
+              named.push_back({integrals[i], sources.at(i)});
+            new (self) KernelTangent({std::move(rows), std::move(columns)}, named, std::move(other));
           },
-          nb::arg("test"), nb::arg("trial"), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("other").none(),
-          "Collective")
+          nb::arg("test"), nb::arg("trial"), nb::arg("integrals"), nb::arg("sources"), nb::arg("other").none(),
+          "sources: of the coefficients of each integral, in the kernel's order. Collective")
       .def("assemble", &KernelTangent::assemble, nb::arg("bcs"), "Rows and columns of bcs are zeroed. Collective")
       .def("set_constants",
            [](KernelTangent& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })

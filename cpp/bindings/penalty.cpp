@@ -231,7 +231,7 @@ void bind_parts(nb::module_& m)
 }
 
 /// The tangent that a function of Python's assembles; its result lives until the next call.
-QuadraturePenalty::BodyTangent tangent_of(nb::callable assemble)
+QuadraturePenalty::TangentFunction tangent_of(nb::callable assemble)
 {
   return [assemble = std::move(assemble), kept = std::make_shared<nb::object>()]
   {

@@ -208,7 +208,8 @@ void bind_newton(nb::module_& m)
       .def("tangent", &Body::tangent, nb::rv_policy::reference, "Borrowed until the next call. Collective")
       .def("fault", &Body::fault, "Why the last residual could not be computed. Collective")
       .def("accept_step", &Body::accept_step, "The state of the last residual is what the next step begins from")
-      .def("stored_energy", &Body::stored_energy, "None: it is not known. Collective");
+      .def("stored_energy", &Body::stored_energy, "None: it is not known. Collective")
+      .def_prop_ro("rounds_positions", &Body::rounds_positions);
   nb::class_<FunctionBody, Body>(m, "FunctionBody", "Bodies whose residual and tangent are functions")
       .def(
           "__init__",

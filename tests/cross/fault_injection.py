@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from dolfinx_impact import _cpp
+from dolfinx_impact.statics.material_body import MaterialBody
 from dolfinx_impact.verify import element
 from dolfinx_impact.verify.report import Report
 
@@ -48,3 +50,23 @@ def assert_caught(report, level, form, name=""):
     found = [r for r in failures if name in r.name]
     assert found and all(r.note for r in found), failures
     return found[0]
+
+
+def commit_at_once(monkeypatch):
+    """Bodies that end a step with every residual."""
+
+    def wrong(self):
+        right = self._cpp_object
+
+        def residual():
+            b = right.residual()
+            right.accept_step()
+            return b
+
+        return _cpp.solve.FunctionBody(
+            residual=residual, tangent=right.tangent, fault=right.fault, accept_step=right.accept_step, origin=None,
+            stored_energy=None, linear=False, keeps_tangent=False, symmetric=False, inelastic=True, has_inertia=False,
+            has_springs=False, rounds_positions=True,
+        )  # fmt: skip
+
+    monkeypatch.setattr(MaterialBody, "in_cpp", wrong)

@@ -8,14 +8,14 @@
 
 namespace dolfinx_impact::operators
 {
-CellMatrix::CellMatrix(const impact_kernel& kernel)
+CellMatrix::CellMatrix(const impact_kernel& kernel, std::optional<int> direction)
     : _width(kernel.rank == 1 ? kernels::width(kernel) : 1), _tabulate(kernels::tabulate(kernel, _width)),
       _num_rows(kernel.shape[0]), _num_columns(kernel.shape[1]), _size_w(kernel.size_w), _size_A(kernel.size_A)
 {
   if (kernel.rank == 2)
     return;
   for (int i = 0; i < kernel.num_coefficients; ++i)
-    if (std::string(kernel.coefficients[i].name) == direction_name)
+    if (direction ? i == *direction : std::string(kernel.coefficients[i].name) == direction_name)
     {
       _first = kernel.coefficients[i].offset;
       _num_columns =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../kernels/Kernel.h"
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,8 +16,9 @@ inline constexpr const char* direction_name = "direction of the tangent";
 class CellMatrix
 {
 public:
+  /// @param[in] direction number of the direction among the kernel's coefficients; nothing: the one of that name
   /// @throws std::invalid_argument for another kernel: not of rank 2, and of rank 1 without that coefficient
-  explicit CellMatrix(const impact_kernel& kernel);
+  explicit CellMatrix(const impact_kernel& kernel, std::optional<int> direction = std::nullopt);
 
   int num_rows() const { return _num_rows; }
   int num_columns() const { return _num_columns; }

@@ -8,15 +8,29 @@
 
 namespace dolfinx_impact::operators
 {
-CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, const Coefficients& coefficients,
+CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, const Coefficients& coefficients)
+    : CellValues(kernel, V, sources(kernel, coefficients, nullptr), nullptr)
+{
+}
+
+CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, std::vector<Source> sources,
                        std::shared_ptr<const PointHistory> history)
-    : _kernel(kernel), _space(V), _history(std::move(history)), _w(kernel.size_w),
+    : _kernel(kernel), _space(V), _sources(std::move(sources)), _fields(_sources.size()), _history(std::move(history)),
+      _w(kernel.size_w),
       _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) * V.mesh()->geometry().dofmap().extent(1))
 {
   kernels::check_mesh(kernel, *V.mesh());
   kernels::check_without_outputs(kernel);
+  if (int(_sources.size()) != kernel.num_coefficients)
+    throw std::invalid_argument(std::string("kernel ") + kernel.name + " reads " +
+                                std::to_string(kernel.num_coefficients) + " coefficients, found " +
+                                std::to_string(_sources.size()));
   for (int i = 0; i < kernel.num_coefficients; ++i)
-    _sources.push_back(source(kernel.coefficients[i], coefficients));
+  {
+    if (!_sources[i].field.empty())
+      _fields[i] = _history->find(_sources[i].field);
+    check(i);
+  }
   if (!_history)
     return;
   const auto cells = V.mesh()->topology()->index_map(V.mesh()->topology()->dim());
@@ -25,29 +39,43 @@ CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, cons
     _places[_history->cells()[i]] = std::int32_t(i);
 }
 
-CellValues::Source CellValues::source(const impact_coefficient& c, const Coefficients& coefficients) const
+std::vector<CellValues::Source> CellValues::sources(const impact_kernel& kernel, const Coefficients& coefficients,
+                                                    const PointHistory* history)
 {
-  const std::string kernel = std::string("kernel ") + _kernel.name;
-  const auto found = coefficients.find(c.name);
-  if (found != coefficients.end() && found->second)
+  std::vector<Source> out;
+  for (int i = 0; i < kernel.num_coefficients; ++i)
   {
-    const FunctionSpace& space = *found->second->function_space();
-    kernels::check_space(_kernel, c.element, space, std::string("coefficient ") + c.name);
-    if (space.mesh() != _space.mesh())
-      throw std::invalid_argument(kernel + ": coefficient " + c.name + " is on another mesh");
-    return {found->second, std::nullopt};
+    const impact_coefficient& c = kernel.coefficients[i];
+    const auto found = coefficients.find(c.name);
+    if (found != coefficients.end() && found->second)
+      out.push_back({found->second, ""});
+    else if (std::string(c.name) == direction_name)
+      out.emplace_back();
+    else if (history && std::string(c.element.kind) == "quadrature")
+      out.push_back({nullptr, c.name});
+    else
+      throw std::invalid_argument(std::string("kernel ") + kernel.name + " needs a coefficient named '" + c.name + "'");
   }
-  if (std::string(c.name) == direction_name)
-    return {};
-  if (!_history || std::string(c.element.kind) != "quadrature")
-    throw std::invalid_argument(kernel + " needs a coefficient named '" + c.name + "'");
-  const std::size_t field = _history->find(c.name);
-  const int size = _history->num_points() * _history->num_components(field);
+  return out;
+}
+
+void CellValues::check(int coefficient) const
+{
+  const impact_coefficient& c = _kernel.coefficients[coefficient];
+  const std::string kernel = std::string("kernel ") + _kernel.name;
+  if (const auto& f = _sources[coefficient].function)
+  {
+    kernels::check_space(_kernel, c.element, *f->function_space(), std::string("coefficient ") + c.name);
+    if (f->function_space()->mesh() != _space.mesh())
+      throw std::invalid_argument(kernel + ": coefficient " + c.name + " is on another mesh");
+  }
+  if (_sources[coefficient].field.empty())
+    return;
+  const int size = _history->num_points() * _history->num_components(_fields[coefficient]);
   if (size != c.element.num_dofs)
     throw std::invalid_argument(kernel + " reads " + std::to_string(c.element.num_dofs) + " values of '" + c.name +
                                 "' in a cell, the history has " + std::to_string(size) +
                                 ": use the same quadrature rule in both forms");
-  return {nullptr, field};
 }
 
 void CellValues::gather(std::int32_t cell, int side)
@@ -59,12 +87,12 @@ void CellValues::gather(std::int32_t cell, int side)
     std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes + 3 * i);
   for (std::size_t c = 0; c < _sources.size(); ++c)
   {
-    if (_sources[c].field)
+    if (!_sources[c].field.empty())
     {
       if (_places[cell] < 0)
         throw std::invalid_argument(std::string("kernel ") + _kernel.name + ": cell " + std::to_string(cell) +
                                     " of this rank has no history");
-      _history->copy_cell(*_sources[c].field, std::size_t(_places[cell]), _w.data() + _kernel.coefficients[c].offset);
+      _history->copy_cell(_fields[c], std::size_t(_places[cell]), _w.data() + _kernel.coefficients[c].offset);
     }
     if (!_sources[c].function)
       continue;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "Batches.h"
-#include <optional>
 
 namespace dolfinx_impact::operators
 {
@@ -10,15 +9,31 @@ namespace dolfinx_impact::operators
 class CellValues
 {
 public:
+  /// Where a coefficient comes from: a function with ghosts up to date, or a field of a history; neither: it is zero,
+  /// as the direction of CellMatrix, which is set there.
+  struct Source
+  {
+    std::shared_ptr<const Function> function = nullptr;
+    std::string field = "";
+  };
+
   /// @param[in] kernel of any rank
   /// @param[in] V space whose mesh and cells are meant
-  /// @param[in] coefficients by the kernel's names, ghosts up to date; the direction of CellMatrix may be missing
-  /// @param[in] history internal variables on cells of the same rule: coefficients that have none of the names above
-  ///   are read there, committed ones, and the solution of the local equations of the last evaluation
+  /// @param[in] coefficients by the kernel's names, ghosts up to date
   /// @throws std::runtime_error if the kernel is not for this mesh or a coefficient's space
-  /// @throws std::invalid_argument if a coefficient is missing or on another mesh, or a history has another size
-  CellValues(const impact_kernel& kernel, const FunctionSpace& V, const Coefficients& coefficients,
-             std::shared_ptr<const PointHistory> history = nullptr);
+  /// @throws std::invalid_argument if a coefficient is missing or on another mesh
+  CellValues(const impact_kernel& kernel, const FunctionSpace& V, const Coefficients& coefficients);
+  /// @param[in] sources of the kernel's coefficients, in their order
+  /// @param[in] history internal variables on cells of the same rule, of which committed ones are read, and the
+  ///   solution of the local equations of the last evaluation; null without fields among the sources
+  /// @throws as the other one, and std::invalid_argument for a history of another size
+  CellValues(const impact_kernel& kernel, const FunctionSpace& V, std::vector<Source> sources,
+             std::shared_ptr<const PointHistory> history);
+
+  /// Sources by names: functions, then fields of the history, the direction of CellMatrix being neither.
+  /// @throws std::invalid_argument if a coefficient is missing
+  static std::vector<Source> sources(const impact_kernel& kernel, const Coefficients& coefficients,
+                                     const PointHistory* history);
 
   /// Read a cell.
   /// @param[in] side of an interior facet, 0 for "+" and 1 for "-"; 0 for other kernels
@@ -27,17 +42,12 @@ public:
   std::span<const double> nodes() const { return _nodes; }
 
 private:
-  /// Where a coefficient comes from: a function, or a field of the history; neither for the direction.
-  struct Source
-  {
-    std::shared_ptr<const Function> function;
-    std::optional<std::size_t> field;
-  };
-  Source source(const impact_coefficient& c, const Coefficients& coefficients) const;
+  void check(int coefficient) const;
 
   const impact_kernel& _kernel;
   const FunctionSpace& _space;
-  std::vector<Source> _sources; ///< in the kernel's order
+  std::vector<Source> _sources;
+  std::vector<std::size_t> _fields; ///< numbers of fields in the history, by source
   std::shared_ptr<const PointHistory> _history;
   std::vector<std::int32_t> _places; ///< of the mesh's cells in the history; -1: not there
   std::vector<double> _w, _nodes;

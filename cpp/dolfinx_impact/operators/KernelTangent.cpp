@@ -21,6 +21,24 @@ dolfinx::la::SparsityPattern empty_pattern(const FunctionSpace& rows, const Func
           {of_rows.index_map_bs(), of_columns.index_map_bs()}};
 }
 
+/// Integrals whose coefficients are found by name.
+std::vector<KernelTangent::Named> by_name(const std::vector<Integral>& integrals, const Coefficients& coefficients)
+{
+  std::vector<KernelTangent::Named> out;
+  for (const Integral& i : integrals)
+    out.push_back({i, CellValues::sources(*i.kernel, coefficients, i.history.get())});
+  return out;
+}
+
+/// Number of the coefficient that stands for the trial function, if there is one.
+std::optional<int> direction(const KernelTangent::Named& named)
+{
+  for (std::size_t i = 0; i < named.sources.size(); ++i)
+    if (!named.sources[i].function && named.sources[i].field.empty())
+      return int(i);
+  return std::nullopt;
+}
+
 /// Degrees of freedom that conditions on a space prescribe, owned and ghosts; empty without conditions.
 std::vector<std::int8_t> constrained_dofs(const FunctionSpace& V, const KernelTangent::BoundaryConditions& bcs)
 {
@@ -36,10 +54,10 @@ std::vector<std::int8_t> constrained_dofs(const FunctionSpace& V, const KernelTa
 }
 } // namespace
 
-KernelTangent::Part::Part(const Integral& integral, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
-                          const Coefficients& coefficients)
-    : kernel(integral.kernel), matrix(*kernel), values(*kernel, *V[0], coefficients, integral.history),
-      entities(integral.entities), facets(std::string(kernel->integral_type) == "exterior_facet")
+KernelTangent::Part::Part(const Named& named, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V)
+    : kernel(named.integral.kernel), matrix(*kernel, direction(named)),
+      values(*kernel, *V[0], named.sources, named.integral.history), entities(named.integral.entities),
+      facets(std::string(kernel->integral_type) == "exterior_facet")
 {
   if (std::string(kernel->integral_type) == "interior_facet")
     throw std::invalid_argument(std::string("kernel ") + kernel->name +
@@ -48,7 +66,7 @@ KernelTangent::Part::Part(const Integral& integral, const std::array<std::shared
     kernels::check_space(*kernel, kernel->arguments[a], *V[a], a ? "trial space" : "test space");
   if (facets && entities.size() % 2)
     throw std::invalid_argument("facet integrals take pairs (cell, local facet)");
-  set_constants(integral.constants);
+  set_constants(named.integral.constants);
 }
 
 void KernelTangent::Part::set_constants(std::span<const double> c)
@@ -72,11 +90,18 @@ std::vector<std::int32_t> KernelTangent::Part::cells() const
 KernelTangent::KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
                              const std::vector<Integral>& integrals, const Coefficients& coefficients,
                              std::shared_ptr<const dolfinx::fem::Form<double>> other)
+    : KernelTangent(V, by_name(integrals, coefficients), std::move(other))
+{
+}
+
+KernelTangent::KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
+                             const std::vector<Named>& integrals,
+                             std::shared_ptr<const dolfinx::fem::Form<double>> other)
     : _V(V), _other(std::move(other))
 {
   _parts.reserve(integrals.size());
-  for (const Integral& integral : integrals)
-    _parts.emplace_back(integral, V, coefficients);
+  for (const Named& integral : integrals)
+    _parts.emplace_back(integral, V);
   dolfinx::la::SparsityPattern pattern =
       _other ? dolfinx::fem::create_sparsity_pattern(*_other) : empty_pattern(*V[0], *V[1]);
   for (const Part& part : _parts)

@@ -16,6 +16,13 @@ class KernelTangent
 public:
   typedef std::vector<std::shared_ptr<const dolfinx::fem::DirichletBC<double>>> BoundaryConditions;
 
+  /// An integral whose coefficients have other names in the kernel than here.
+  struct Named
+  {
+    Integral integral;
+    std::vector<CellValues::Source> sources; ///< of the kernel's coefficients, in their order
+  };
+
   /// Collective.
   /// @param[in] V test and trial space
   /// @param[in] integrals kernels that CellMatrix takes, on cells or exterior facets; their histories are read, of the
@@ -26,6 +33,9 @@ public:
   /// @throws std::invalid_argument if a coefficient, constant or history is missing, or for interior facets
   KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V, const std::vector<Integral>& integrals,
                 const Coefficients& coefficients, std::shared_ptr<const dolfinx::fem::Form<double>> other = nullptr);
+  /// The same of integrals with the sources of their coefficients.
+  KernelTangent(const std::array<std::shared_ptr<const FunctionSpace>, 2>& V, const std::vector<Named>& integrals,
+                std::shared_ptr<const dolfinx::fem::Form<double>> other);
   ~KernelTangent();
   KernelTangent(const KernelTangent&) = delete;
   KernelTangent& operator=(const KernelTangent&) = delete;
@@ -45,8 +55,7 @@ private:
   class Part
   {
   public:
-    Part(const Integral& integral, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V,
-         const Coefficients& coefficients);
+    Part(const Named& named, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V);
     void set_constants(std::span<const double> c);
     /// Cells of the entities.
     std::vector<std::int32_t> cells() const;

@@ -60,10 +60,10 @@ Vec AssembledBody::residual()
   for (std::size_t i = 0; i < b.size(); ++i)
     b[i] = -_loads[i];
   std::fill(b.begin() + std::ptrdiff_t(values.size()), b.end(), 0.0); // ghosts
-  if (_kernels.force)
+  for (const KernelForce& f : _kernels.forces)
   {
-    set_constants(*_kernels.force, _kernels.force_constants);
-    _kernels.force->assemble(b);
+    set_constants(*f.force, f.constants);
+    f.force->assemble(b);
   }
   if (_form)
     dolfinx::fem::assemble_vector(b, *_form);
@@ -81,20 +81,31 @@ Mat AssembledBody::tangent()
 
 std::string AssembledBody::fault()
 {
-  return _kernels.force ? _kernels.force->fault() : "";
+  for (const KernelForce& f : _kernels.forces)
+    if (std::string fault = f.force->fault(); !fault.empty())
+      return fault;
+  return "";
 }
 
 void AssembledBody::accept_step()
 {
-  if (_kernels.force)
-    _kernels.force->commit();
+  for (const KernelForce& f : _kernels.forces)
+    f.force->commit();
 }
 
 std::optional<double> AssembledBody::stored_energy()
 {
   if (!_kernels.energy_is_known)
     return std::nullopt;
-  double sum = _kernels.force->sum("elastic") + (_kernels.energy ? _kernels.energy->value() : 0.0);
+  update_ghosts();
+  double sum = 0.0;
+  for (const KernelForce& f : _kernels.forces)
+    sum += f.force->sum("elastic");
+  for (const KernelForce& f : _kernels.energies)
+  {
+    set_constants(*f.force, f.constants);
+    sum += f.force->value();
+  }
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, _u->function_space()->mesh()->comm());
   return sum;
 }
@@ -102,10 +113,11 @@ std::optional<double> AssembledBody::stored_energy()
 state::State AssembledBody::state()
 {
   state::State out("bodies");
-  if (_kernels.force)
-    for (std::size_t i = 0; i < _kernels.force->num_integrals(); ++i)
-      if (const auto& history = _kernels.force->history(i))
-        out.add(history->state("history " + std::to_string(i)));
+  int number = 0;
+  for (const KernelForce& f : _kernels.forces)
+    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
+      if (const auto& history = f.force->history(i))
+        out.add(history->state("history " + std::to_string(number++)));
   return out;
 }
 } // namespace dolfinx_impact::problems

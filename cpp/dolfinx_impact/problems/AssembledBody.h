@@ -16,16 +16,22 @@ typedef std::shared_ptr<const dolfinx::fem::Form<double>> Form;
 /// Constants of a form that kernels read, one behind the other: their values are read anew at every call.
 typedef std::vector<std::shared_ptr<const dolfinx::fem::Constant<double>>> Constants;
 
+/// An operator, and the constants of each of its integrals; without any the integrals have fixed values.
+struct KernelForce
+{
+  std::shared_ptr<operators::InternalForce> force;
+  std::vector<Constants> constants = {};
+};
+
 /// What is assembled by kernels.
 struct BodyKernels
 {
-  std::shared_ptr<operators::InternalForce> force;  ///< residual; it keeps the internal variables
-  std::shared_ptr<operators::InternalForce> energy; ///< of laws without internal variables; null: there are none
-  bool energy_is_known = false;                     ///< it is that of all the force's integrals, and there is no form
-  /// Constants of its integrals and of the tangent's kernels; empty: the integrals have fixed values.
-  std::vector<Constants> force_constants, tangent_constants;
-  /// Functions that they read: their ghosts are updated before every call.
-  std::vector<std::shared_ptr<dolfinx::fem::Function<double>>> functions;
+  std::vector<KernelForce> forces = {};   ///< residual; those of laws with internal variables keep them
+  std::vector<KernelForce> energies = {}; ///< of laws without internal variables, and springs
+  bool energy_is_known = false;           ///< nothing else stores energy but laws with internal variables
+  std::vector<Constants> tangent_constants = {};
+  /// Functions that kernels read: their ghosts are updated before every call.
+  std::vector<std::shared_ptr<dolfinx::fem::Function<double>>> functions = {};
 };
 
 /// Bodies that are assembled by kernels of this project, by forms of DOLFINx, or both: sums of them.
@@ -59,8 +65,8 @@ public:
 
   /// External forces at owned and ghost degrees of freedom, zero at first; ghosts are not read [F].
   std::vector<double>& loads() { return _loads; }
-  /// Operator of the kernels' residual, which keeps the internal variables; null without kernels.
-  const std::shared_ptr<operators::InternalForce>& force() const { return _kernels.force; }
+  /// Operators of the residual by kernels, which keep the internal variables.
+  const std::vector<KernelForce>& forces() const { return _kernels.forces; }
   /// The matrix of `tangent`, as it was assembled last, borrowed [F/L].
   Mat matrix() const { return _tangent->matrix(); }
 

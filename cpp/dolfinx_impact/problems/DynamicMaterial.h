@@ -13,8 +13,7 @@ namespace dolfinx_impact::problems
 struct DynamicMaterial
 {
   /// Kernels NAME.force and NAME.tangent; damping has NAME.damping, bulk viscosity NAME.viscosity. Of a law with
-  /// internal variables, "j2.small.linear", damping, viscosity and the tangent of explicit steps are those of its
-  /// elastic part.
+  /// internal variables, "j2.small.linear", damping, viscosity and frequencies are those of its elastic part.
   KernelMaterial law;
   double density = 0.0;                  ///< of the undeformed body [M/L^3]
   std::optional<int> tag = std::nullopt; ///< of its cells; nothing: all

@@ -161,7 +161,8 @@ void ExplicitProblem::check_overlap()
     long long deep = 0;
     for (const auto& direction : c.contact.directions())
       if (const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(direction.get()))
-        deep += contact->implausible();
+        deep += (_step == 0 ? contact->too_deep(_integrator->displacement()) : std::nullopt)
+                    .value_or(contact->implausible());
     deep = common::sum(comm(), deep);
     if (deep > 0)
       throw common::BadValue(c.name + ": " + std::to_string(deep) +

@@ -78,7 +78,7 @@ KernelBody::Made KernelBody::make(std::shared_ptr<dolfinx::fem::Function<double>
       tangents.push_back(std::move(integral));
     }
   auto tangent = std::make_shared<operators::KernelTangent>(std::array{V, V}, tangents, read, loads.tangent);
-  BodyKernels kernels{.force = force};
+  BodyKernels kernels{.forces = {{force}}};
   std::vector<operators::Integral> energies;
   kernels.energy_is_known = !loads.residual;
   for (std::size_t i = 0; i < materials.size() && kernels.energy_is_known; ++i)
@@ -93,7 +93,7 @@ KernelBody::Made KernelBody::make(std::shared_ptr<dolfinx::fem::Function<double>
         kernels.energy_is_known = false; // no such kernel
       }
   if (!energies.empty())
-    kernels.energy = std::make_shared<operators::InternalForce>(V->mesh(), nullptr, energies, read);
+    kernels.energies = {{std::make_shared<operators::InternalForce>(V->mesh(), nullptr, energies, read)}};
   // Kinematic hardening with recovery and finite strain make tangents of plastic flow unsymmetric.
   const solve::BodyProperties properties{.linear = linear && !inelastic,
                                          .keeps_tangent = linear && !inelastic,

@@ -210,10 +210,10 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
     out.damping =
         std::make_shared<KernelDamping>(u, v, damping, tangents, options.beta, std::ranges::none_of(tangents, varies));
   }
-  std::vector<MaterialCells> parts;
+  std::vector<MaterialCells> laws;
   for (std::size_t k = 0; k < materials.size(); ++k)
-    parts.push_back({materials[k].law, cells[k]});
-  out.body = std::make_shared<KernelBody>(u, parts, KernelBody::Loads{});
+    laws.push_back({materials[k].law, cells[k]});
+  out.body = std::make_shared<KernelBody>(u, laws, KernelBody::Loads{});
   return out;
 }
 } // namespace dolfinx_impact::problems

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 
 from .cauchy_stress import STRESS, VON_MISES
 from .history_field import HistoryField
-from .inelastic_part import HistoryFunctions, InelasticParts
+from .inelastic_part import InelasticParts
 from .point_values import PointHistory
 from .stress_fields import StressFields
 
@@ -51,10 +51,6 @@ class MaterialHistory(Mapping[str, HistoryField]):
         return HistoryField(
             name, shape, part.degree, part.mesh, lambda: points.values(name), lambda v: points.set_values(name, v)
         )
-
-    def functions(self) -> list[HistoryFunctions]:
-        """Functions for history and unknowns of each part; they are not filled."""
-        return [HistoryFunctions(part) for part in self._parts]
 
 
 def existing(history: MaterialHistory | None) -> MaterialHistory:

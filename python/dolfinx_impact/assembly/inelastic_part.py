@@ -8,17 +8,17 @@ from typing import Any
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from dolfinx.fem import Function
 from dolfinx.mesh import Mesh
 
 from ..common.types import FloatArray, IntArray
-from ..forms import inelastic
-from ..forms.inelastic import UNKNOWN
+from ..forms import consistent_tangent, inelastic
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import Material
-from .operators import cells_measure
+from .jit import compile_form
+from .operators import BilinearKernels, cells_measure
+from .point_values import PointHistory
 
 
 def quadrature_element(mesh: Mesh, shape: tuple[int, ...], degree: int) -> Any:
@@ -71,6 +71,25 @@ class InelasticPart:
         """
         return inelastic.force_and_law(self.u, v, self.response, self.kinematics, self.symbols, self.dx, with_stress)
 
+    def tangent(self, history: PointHistory) -> BilinearKernels:
+        """Kernels of the consistent tangent. Collective.
+
+        Args:
+            history: internal variables of the force's kernels.
+
+        Raises:
+            ValueError: the stress has a maximum over a cell, which has no derivative.
+        """
+        V = self.u.function_space
+        du, v = Function(V, name=consistent_tangent.DIRECTION), ufl.TestFunction(V)
+        form = consistent_tangent.consistent_tangent(
+            self.u, du, v, self.response, self.kinematics, self.symbols, self.dx
+        )
+        fields = consistent_tangent.names_of(self.symbols, du)
+        compiled = compile_form(form, fields)
+        del fields[du]
+        return BilinearKernels(form, compiled, fields, history.of_tag(-1 if self.tag is None else self.tag))
+
     def elastic_tangent(self, du: ufl.Argument, v: ufl.Argument) -> ufl.Form:
         """Stiffness of the elastic part in the deformed shape, an upper bound of the inelastic one.
 
@@ -79,28 +98,6 @@ class InelasticPart:
             v: test function.
         """
         return inelastic.elastic_tangent(self.u, du, v, self.material.elastic_law(self.mesh), self.kinematics, self.dx)
-
-
-class HistoryFunctions:
-    """History and local unknowns of an inelastic part as DOLFINx functions, for FFCx's kernels and for output.
-
-    Args:
-        part: inelastic part.
-
-    Attributes:
-        history: functions by name.
-        unknown: function of the local unknowns, or None.
-        cells: cells of the part, owned.
-    """
-
-    def __init__(self, part: InelasticPart) -> None:
-        self.mesh, self.degree = part.mesh, part.degree
-        self.history = {name: self._function(name, shape) for name, shape in part.response.history.items()}
-        shape = part.response.unknown
-        self.unknown = None if shape is None else self._function(UNKNOWN, shape)
-
-    def _function(self, name: str, shape: tuple[int, ...]) -> Function:
-        return Function(fem.functionspace(self.mesh, quadrature_element(self.mesh, shape, self.degree)), name=name)
 
 
 def set_values(f: Function, cells: IntArray, values: FloatArray) -> None:

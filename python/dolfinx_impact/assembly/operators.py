@@ -2,7 +2,7 @@
 """Kernels applied over the cells of a mesh: thin wrappers of cpp/dolfinx_impact/operators."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from ..common import arguments
 from ..common.collective import comm_of, guard, same
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..forms import elasticity, quadrature
+from ..forms.consistent_tangent import DIRECTION
 from ..forms.materials import Law
 from ..inelastic import InelasticMaterial
 from ..materials import Material, _Material
@@ -107,6 +108,71 @@ def _constants(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> FloatArray:
     """Present values of all constants of a form, one after the other; empty if the kernel reads none."""
     values = [np.ravel(np.asarray(c.value, dtype=np.float64)) for c in compiled.constants]
     return np.concatenate(values) if values and kernel.constants else np.empty(0)
+
+
+def constants_of(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> list[Any]:
+    """Constants of a form that one of its kernels reads, in its order (C++).
+
+    Args:
+        compiled: kernels of the form.
+        kernel: one of them.
+    """
+    return [c._cpp_object for c in compiled.constants] if kernel.constants else []
+
+
+class BilinearKernels(Described):
+    """Kernels of a bilinear form with their entities, for KernelTangent of C++.
+
+    Args:
+        form: form of rank 2, or of rank 1 with a direction (forms/consistent_tangent.py).
+        compiled: its kernels.
+        fields: names in the history of coefficients that stand for internal variables.
+        history: internal variables of the cells; None without.
+
+    Attributes:
+        integrals: integrals (C++).
+        sources: where the coefficients of each come from (C++).
+        constants: constants of each (C++).
+        functions: functions that they read.
+    """
+
+    def __init__(
+        self,
+        form: ufl.Form,
+        compiled: Compiled,
+        fields: Mapping[Any, str] | None = None,
+        history: PointHistory | None = None,
+    ) -> None:
+        mesh, data = domain_of(form), next(iter(form.subdomain_data().values()))
+        self.integrals: list[_cpp.operators.Integral] = []
+        self.sources: list[list[_cpp.operators.Source]] = []
+        self.constants: list[list[Any]] = []
+        self.functions: list[Function] = []
+        self._compiled, self._kernels = compiled, []
+        known = fields or {}
+        for kernel in compiled.kernels:
+            tags = next((t for t in data.get(kernel.integral_type, []) if t is not None), None)
+            objects = [compiled.coefficients[c["position"]] for c in kernel.coefficients]
+            self.functions += [f for f in objects if f not in known and f.name != DIRECTION]
+            for subdomain in kernel.subdomains:
+                entities = np.ascontiguousarray(entities_of(mesh, kernel.integral_type, subdomain, tags))
+                part = None if history is None else _history_of_cells(history.parts, entities)
+                integral = _cpp.operators.Integral(kernel.address, entities, _constants(compiled, kernel), part)
+                self.integrals.append(integral)
+                self.sources.append([self._source(f, known) for f in objects])
+                self.constants.append(constants_of(compiled, kernel))
+                self._kernels.append(kernel)
+
+    @staticmethod
+    def _source(f: Any, fields: Mapping[Any, str]) -> _cpp.operators.Source:
+        """Where a coefficient comes from."""
+        if f in fields:
+            return _cpp.operators.Source(field=fields[f])
+        return _cpp.operators.Source() if f.name == DIRECTION else _cpp.operators.Source(f._cpp_object)
+
+    def values(self) -> list[FloatArray]:
+        """Present values of the constants of each integral."""
+        return [_constants(self._compiled, kernel) for kernel in self._kernels]
 
 
 def _history_of_cells(parts: Sequence[_cpp.operators.PointHistory], entities: IntArray) -> _cpp.operators.PointHistory:
@@ -232,6 +298,11 @@ class _Operator:
         for f in self.coefficients.values():
             f.x.scatter_forward()
         self.update_constants()
+
+    def live(self) -> _cpp.problems.KernelForce:
+        """The operator with its constants, whose values bodies in C++ read anew at every call."""
+        constants = [constants_of(self.compiled, kernel) for kernel in self._kernels]
+        return _cpp.problems.KernelForce(self._cpp_object, constants)
 
     def update_constants(self) -> None:
         """Copy the present values of the constants to the C++ side."""
@@ -494,23 +565,10 @@ class Tangent:
         test, trial = (a.ufl_function_space() for a in sorted(form.arguments(), key=lambda a: a.number()))
         self._mesh = form.ufl_domain().ufl_cargo()
         self.form = None if plain is None else ffcx_form(plain)
-        self._averaged = None if averaged is None else compile_columns(averaged, test)
-        integrals, functions = [], {}
-        self._kernels = []
-        if self._averaged is not None:
-            tags = next((t for t in next(iter(form.subdomain_data().values())).get("cell", []) if t is not None), None)
-            functions = {c["name"]: self._averaged.coefficients[c["position"]]
-                         for kernel in self._averaged.kernels for c in kernel.coefficients}  # fmt: skip
-            for kernel in self._averaged.kernels:
-                for subdomain in kernel.subdomains:
-                    cells = np.ascontiguousarray(entities_of(self._mesh, "cell", subdomain, tags))
-                    integrals.append(_cpp.operators.Integral(kernel.address, cells, _constants(self._averaged, kernel)))
-                    self._kernels.append(kernel)
-        self._functions = list(functions.values())
-        self._cpp_object = _cpp.operators.KernelTangent(
-            test._cpp_object, trial._cpp_object, integrals, {name: f._cpp_object for name, f in functions.items()},
-            None if self.form is None else self.form._cpp_object,
-        )  # fmt: skip
+        self._kernels = None if averaged is None else BilinearKernels(averaged, compile_columns(averaged, test))
+        own = ([], []) if self._kernels is None else (self._kernels.integrals, self._kernels.sources)
+        other = None if self.form is None else self.form._cpp_object
+        self._cpp_object = _cpp.operators.KernelTangent(test._cpp_object, trial._cpp_object, *own, other)
         self.matrix: PETSc.Mat = self._cpp_object.matrix
 
     def __repr__(self) -> str:
@@ -524,11 +582,11 @@ class Tangent:
             The matrix of this object; the next call overwrites it.
         """
         same(self._mesh.comm, "Tangent.assemble")
-        for f in self._functions:
-            f.x.scatter_forward()
-        for i, kernel in enumerate(self._kernels):
-            assert self._averaged is not None
-            self._cpp_object.set_constants(i, _constants(self._averaged, kernel))
+        if self._kernels is not None:
+            for f in self._kernels.functions:
+                f.x.scatter_forward()
+            for i, values in enumerate(self._kernels.values()):
+                self._cpp_object.set_constants(i, values)
         self._cpp_object.assemble([bc._cpp_object for bc in self.bcs])
         return self.matrix
 

@@ -306,6 +306,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
     from . import laws as bench_laws
     from . import plastic as bench_plastic
     from . import rolling as bench_rolling
+    from . import statics as bench_statics
 
     laws: list[tuple[MaterialClass, tuple[Case, ...]]] = [(materials.LinearElastic, CASES)]
     laws += [(law, FINITE) for law in (materials.StVenantKirchhoff, materials.NeoHookean)]
@@ -317,6 +318,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
     out += bench_laws.jobs()
     out += [(f"force on 2 ranks, {c[0]} P{c[1]}", partial(rank_rows, 2, (c,))) for c in RANK_CELLS]
     out += bench_explicit.jobs(large, ranks) + bench_plastic.jobs(large)
+    out += bench_statics.jobs()
     cases = bench_contact.CASES + (bench_contact.LARGE if large else ())
     out += [(f"static contact, {c[0]}", partial(bench_contact.contact_rows, row, (c,))) for c in cases]
     return out + bench_rolling.jobs(large)

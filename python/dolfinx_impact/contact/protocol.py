@@ -46,7 +46,11 @@ class ContactProblem(Protocol):
 
 
 class BodyTangent(Protocol):
-    """Derivative of the bodies' residual."""
+    """Derivative of the bodies' residual, in a matrix that is made once."""
+
+    @property
+    def matrix(self) -> PETSc.Mat:
+        """The matrix [F/L]."""
 
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix at the present state [F/L]. Collective."""

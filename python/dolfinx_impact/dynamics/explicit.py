@@ -50,7 +50,7 @@ from .read_once import ReadOnce
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
-from .stable_step import METHODS, Frequencies, cell_sizes
+from .stable_step import METHODS, cell_sizes
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
 from .time_stepper import TimeStepper
 
@@ -196,8 +196,8 @@ class ExplicitProblem(Unique):
         alpha, beta = self.damping.alpha, self.damping.beta
         self._damping_of_all = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
-            u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object, bodies.body(self._damping_of_all), motions,
-            dead, [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
+            u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object, bodies.body(self._damping_of_all),
+            motions, dead, [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
         integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step

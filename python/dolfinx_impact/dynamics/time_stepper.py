@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import contextlib
-import math
 import warnings
 import zlib
 from collections.abc import Callable, Sequence
 
 import numpy as np
 from dolfinx.mesh import Mesh
-from mpi4py import MPI
 
 from .. import _cpp
 from ..assembly.large_rotation import RotationWarning

@@ -12,7 +12,7 @@ from ..common.types import BoolArray, FloatArray, IntArray
 from ..forms import plasticity
 from ..materials import MaterialMap
 from ..plasticity import J2Plasticity
-from ..statics.inelastic_body import InelasticBody
+from ..statics.material_body import MaterialBody
 from ..statics.problem import Report, StaticProblem
 from .flow import Flow
 from .motions import Spin
@@ -47,14 +47,15 @@ class Transport:
     """
 
     def __init__(self, problem: StaticProblem, flow: Flow) -> None:
-        assert isinstance(problem.body, InelasticBody)
-        self._problem, self._flow, self._body = problem, flow, problem.body
+        body = problem.body
+        assert isinstance(body, MaterialBody) and body.force is not None and body.history is not None
+        self._problem, self._flow, self._parts, self._history = problem, flow, body.parts, body.history
         self._comm = problem.space.mesh.comm
-        self._points = self._body.force.history
+        self._points = body.force.history
         self._names = self._points.state_names
         self._carried = [name for name in self._names if name not in RESULTS]
         # Without isotropic hardening nothing depends on the equivalent plastic strain, which grows in every turn.
-        laws = [part.material for part in self._body.parts]
+        laws = [part.material for part in self._parts]
         counts = any(not isinstance(m, J2Plasticity) or m.hardening != 0.0 for m in laws)
         self._telling = [name for name in self._carried if counts or name != plasticity.PLASTIC_STRAIN]
         self._virgin = self._gathered()
@@ -78,7 +79,7 @@ class Transport:
         ]
         if len(senses) == len(self._senses) and all(np.array_equal(a, b) for a, b in zip(senses, self._senses)):
             return
-        space = next(iter(self._body.history.values())).function().function_space
+        space = next(iter(self._history.values())).function().function_space
         bodies = [(self._cells(tag), motion) for tag, motion in self._flow.motions.items() if np.any(motion.rate)]
         lines = PointLines(space, bodies)
         if lines.fault:
@@ -95,7 +96,7 @@ class Transport:
         """Owned cells of a motion that have internal variables."""
         cells = self._flow.cells_of(tag)
         cells = cells[cells < self._points.num_cells]
-        found = [cells if p.tag is None else np.intersect1d(cells, self._tagged(p.tag)) for p in self._body.parts]
+        found = [cells if p.tag is None else np.intersect1d(cells, self._tagged(p.tag)) for p in self._parts]
         return np.unique(np.concatenate([cells[:0], *found]))
 
     def _tagged(self, tag: int) -> IntArray:
@@ -108,7 +109,7 @@ class Transport:
         """Tensors among the variables: name, points of all ranks, number of components, and whether of a deviator."""
         found = []
         per, first = self._points.num_points, int(self._lines.mine[0]) if len(self._lines.mine) else 0
-        for part in self._body.parts:
+        for part in self._parts:
             if not isinstance(part.material, J2Plasticity):
                 continue  # spinning ones have numbers alone (inputs.py)
             cells: IntArray = np.arange(self._points.num_cells)

@@ -8,23 +8,20 @@ from typing import Any
 
 import ufl
 from dolfinx import fem
-from petsc4py import PETSc
 
 from ..assembly import operators
-from ..assembly.inelastic_part import InelasticParts
 from ..assembly.measures import check_measures
 from ..assembly.residual import differentiable
 from ..assembly.residual_bodies import ResidualBodies
 from ..added_mass import AddedMass
 from ..forms.quadrature import with_rules
 from ..foundation import foundations
-from ..inelastic import InelasticMaterial
 from ..loads import Load
 from ..materials import Material
 from .body import Body
-from .elastic_body import ElasticBody
 from .evaluated_body import Evaluate, EvaluatedBody
-from .inelastic_body import InelasticBody
+from .form_body import FormBody
+from .material_body import MaterialBody
 
 
 def make_body(
@@ -50,62 +47,29 @@ def make_body(
         accept: function that is called when a step has converged, or None.
 
     Returns:
-        Elastic or inelastic bodies.
+        The bodies.
 
     Raises:
         ValueError: integrals over one kind of entity have different tags.
     """
-    V = u.function_space
-    v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+    du = ufl.TrialFunction(u.function_space)
     external, springs = external_work(u, material or bodies, loads), bool(foundations(loads))
+    follows = external is not None and u in external.coefficients()
     if residual is not None:
-        follows = external is not None and u in external.coefficients()
         given = tangent - ufl.derivative(with_rules(external), u, du) if tangent is not None and follows else tangent
         residual = residual if external is None else residual - external
         check_measures(residual)
         if evaluate is not None:
             assert given is not None  # checked by the problem
             return EvaluatedBody(u, residual, given, evaluate, accept)
-        # There may be springs in it.
-        if given is None:
-            with differentiable():
-                return ElasticBody(u, residual, ufl.derivative(with_rules(residual), u, du), has_springs=True)
-        body = ElasticBody(u, residual, given, has_springs=True)
-        body.linear = body.keeps_tangent = False  # nothing says that it is exact
-        return body
+        if given is not None:
+            return FormBody(u, residual, given, exact=False)
+        with differentiable():
+            return FormBody(u, residual, ufl.derivative(with_rules(residual), u, du))
     assert material is not None  # checked by the problem
-    follows = external is not None and u in external.coefficients()
-    stiffness = ufl.derivative(external, u, du) if follows else None
-    inelastic = any(isinstance(m, InelasticMaterial) for _, m in material.parts())
-    if not inelastic:
-        internal, elastic = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
-        whole = internal if external is None else internal - external
-        check_measures(whole)
-        return ElasticBody(u, whole, elastic if stiffness is None else elastic - stiffness, springs)
-    rest = _sum(operators.internal_force_form(u, v, material), None if external is None else -external)
-    if rest is not None:
-        check_measures(rest)
-    elastic = _sum(operators.tangent_form(u, du, v, material), None if stiffness is None else -stiffness)
-    return InelasticBody(u, InelasticParts(u, material), rest, elastic, springs)
-
-
-def assemble_residual(u: fem.Function, body: Body, b: PETSc.Vec) -> PETSc.Vec:
-    """Assemble the residual of bodies at the present displacement. Collective.
-
-    Args:
-        u: displacement function; its ghosts are updated [L].
-        body: bodies.
-        b: vector of `body.vector()`, which is overwritten; its owned entries are complete [F].
-
-    Returns:
-        `b`.
-    """
-    u.x.scatter_forward()
-    with b.localForm() as local:
-        local.set(0.0)
-    body.add_residual(b)
-    b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
-    return b
+    if external is not None:
+        check_measures(operators.internal_force_form(u, ufl.TestFunction(u.function_space), material) - external)
+    return MaterialBody(u, material, external, ufl.derivative(external, u, du) if follows else None, springs)
 
 
 def external_work(u: fem.Function, bodies: Material | ResidualBodies | None, loads: Sequence[Load]) -> Any:
@@ -126,9 +90,3 @@ def external_work(u: fem.Function, bodies: Material | ResidualBodies | None, loa
         form = load.form(u, v, bodies)
         external = form if external is None else external + form
     return external
-
-
-def _sum(*forms: Any) -> Any:
-    """Sum of the forms that are not None or zero; None if there are none."""
-    found = [f for f in forms if f is not None and isinstance(f, ufl.Form) and not f.empty()]
-    return sum(found[1:], found[0]) if found else None

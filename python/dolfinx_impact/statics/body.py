@@ -5,22 +5,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from petsc4py import PETSc
-
-from ..common.types import FloatArray
-
-
-class BodyTangent(Protocol):
-    """Matrix of the bodies, made once."""
-
-    @property
-    def matrix(self) -> PETSc.Mat:
-        """The matrix [F/L]."""
-        ...
-
-    def assemble(self) -> PETSc.Mat:
-        """Assemble the matrix at the present state. Collective."""
-        ...
+from .. import _cpp
+from ..contact.protocol import BodyTangent
 
 
 class Body(Protocol):
@@ -44,31 +30,10 @@ class Body(Protocol):
     has_springs: bool
 
     @property
-    def origin(self) -> FloatArray | None:
-        """Displacements from which Newton's method measures how large forces are, over owned degrees of freedom; None:
-        from zero [L]."""
-
-    @property
     def tangent(self) -> BodyTangent:
         """Derivative of the residual."""
         ...
 
-    def vector(self) -> PETSc.Vec:
-        """Make a vector for the residual, with ghosts."""
-        ...
-
-    def add_residual(self, b: PETSc.Vec) -> None:
-        """Add internal minus external forces at the present displacement, on owned and ghost entries [F]. Collective.
-
-        Args:
-            b: vector with ghosts.
-        """
-        ...
-
-    def fault(self) -> str:
-        """Why the last residual could not be computed; an empty text if it could. Collective."""
-        ...
-
-    def accept_step(self) -> None:
-        """Take the state of the last residual as the one that the next step begins from."""
+    def in_cpp(self) -> _cpp.solve.Body:
+        """The bodies as Newton's method in C++ sees them."""
         ...

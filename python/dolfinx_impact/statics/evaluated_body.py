@@ -11,38 +11,38 @@ import ufl
 from dolfinx import fem
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common.collective import agree, attempt
+from ..common.described import Described
 from ..common.types import FloatArray
-from .body import BodyTangent
-from .elastic_body import ElasticBody
+from .form_body import FormBody
 
 Evaluate: TypeAlias = Callable[[fem.Function], object]
 """Function of the displacement, which sets other functions."""
 
 
-class EvaluatedTangent:
+class EvaluatedTangent(Described):
     """Tangent whose functions are those of the present displacement.
 
     Args:
-        tangent: the matrix of the form.
-        evaluate: function that brings its functions up to date, where they are not.
+        body: the bodies.
     """
 
-    def __init__(self, tangent: BodyTangent, evaluate: Callable[[], None]) -> None:
-        self._tangent, self._evaluate = tangent, evaluate
+    def __init__(self, body: EvaluatedBody) -> None:
+        self._body = body
 
     @property
     def matrix(self) -> PETSc.Mat:
         """The matrix [F/L]."""
-        return self._tangent.matrix
+        return self._body.forms.tangent.matrix
 
     def assemble(self) -> PETSc.Mat:
         """Assemble the matrix at the present displacement. Collective."""
-        self._evaluate()
-        return self._tangent.assemble()
+        self._body.evaluate_if_changed()
+        return self._body.forms.tangent.assemble()
 
 
-class EvaluatedBody(ElasticBody):
+class EvaluatedBody(Described):
     """Bodies whose residual and tangent read functions that a user sets for every displacement; see Body.
 
     Args:
@@ -53,32 +53,46 @@ class EvaluatedBody(ElasticBody):
         accept: function that is called when a step has converged, or None.
 
     Attributes:
+        forms: bodies of the forms, at the present values of their functions.
+        linear, keeps_tangent: False.
+        symmetric: True, as far as is known.
         inelastic: True: what is evaluated may depend on a history.
+        has_inertia: False.
+        has_springs: True: there may be some in the residual.
     """
 
-    inelastic = True
+    linear = keeps_tangent = has_inertia = False
+    symmetric = inelastic = has_springs = True
 
     def __init__(
         self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form, evaluate: Evaluate, accept: Evaluate | None
     ) -> None:
-        super().__init__(u, residual, tangent, has_springs=True)
+        self.forms = FormBody(u, residual, tangent)
         self._u, self._function, self._accept = u, evaluate, accept
         read = {*residual.coefficients(), *tangent.coefficients()}
         self._set = [f for f in sorted(read, key=lambda f: f.count()) if f is not u and hasattr(f, "x")]
         self._at: FloatArray | None = None  # displacement that the functions belong to; None: a step has ended since
-        self.tangent = EvaluatedTangent(self.tangent, self._evaluate_if_changed)
-        self.linear = self.keeps_tangent = False
 
-    def add_residual(self, b: PETSc.Vec) -> None:
-        """Evaluate, then add internal minus external forces, on owned and ghost entries [F]. Collective.
+    @property
+    def tangent(self) -> EvaluatedTangent:
+        """Derivative of the residual."""
+        return EvaluatedTangent(self)
 
-        Args:
-            b: vector with ghosts.
-        """
+    def in_cpp(self) -> _cpp.solve.Body:
+        """The bodies as Newton's method in C++ sees them: it calls Python for what is evaluated."""
+        return _cpp.solve.FunctionBody(
+            residual=self._residual, tangent=self.tangent.assemble, fault=None, accept_step=self._accept_step,
+            origin=None, stored_energy=None, linear=False, keeps_tangent=False, symmetric=True, inelastic=True,
+            has_inertia=False, has_springs=True, rounds_positions=False,
+        )  # fmt: skip
+
+    def _residual(self) -> PETSc.Vec:
+        """Evaluate, then assemble internal minus external forces [F]. Collective."""
+        self._u.x.scatter_forward()
         self._evaluate()
-        super().add_residual(b)
+        return self.forms.in_cpp().residual()
 
-    def accept_step(self) -> None:
+    def _accept_step(self) -> None:
         """Tell the user that the present displacement is that of a converged step. Collective."""
         self._at = None
         if self._accept is not None:
@@ -90,7 +104,8 @@ class EvaluatedBody(ElasticBody):
         for f in self._set:
             f.x.scatter_forward()
 
-    def _evaluate_if_changed(self) -> None:
+    def evaluate_if_changed(self) -> None:
+        """Evaluate where the functions belong to another displacement. Collective."""
         here = self._at is not None and np.array_equal(self._at, self._u.x.array)
         comm = self._u.function_space.mesh.comm
         if comm.allreduce(int(here)) < comm.size:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from dolfinx.fem import Function, FunctionSpace
+from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
 from .. import _cpp
@@ -16,7 +16,6 @@ from ..common.described import Described
 from ..common.types import FloatArray, IntArray
 from ..contact.mortar.lagrange import LagrangeContact
 from ..contact.penalty.quadrature_penalty import QuadraturePenalty
-from .bodies import assemble_residual
 from .body import Body
 from .load_steps import StepLog
 
@@ -24,29 +23,23 @@ if TYPE_CHECKING:
     from .equilibrium_problem import EquilibriumProblem
 
 
-def body_in_cpp(
-    u: Function, body: Body, rounds_positions: bool, stored_energy: Callable[[], float | None] | None = None
-) -> _cpp.solve.Body:
+def body_in_cpp(body: Body, stored_energy: Callable[[], float | None] | None = None) -> _cpp.solve.Body:
     """Bodies as Newton's method in C++ sees them.
 
     Args:
-        u: displacement function [L].
         body: bodies.
-        rounds_positions: whether round-off of positions enters the forces.
         stored_energy: function that returns the energy that is stored in the bodies at the last residual, None where it
             is not known [F L]; or None.
     """
-    b = body.vector()
-
-    def origin() -> FloatArray:
-        return np.zeros(0) if body.origin is None else body.origin
-
+    found = body.in_cpp()
+    if stored_energy is None:
+        return found
     return _cpp.solve.FunctionBody(
-        residual=lambda: assemble_residual(u, body, b),
-        tangent=lambda: body.tangent.assemble(),
-        fault=lambda: body.fault(),
-        accept_step=lambda: body.accept_step(),
-        origin=origin if body.has_inertia else None,
+        residual=found.residual,
+        tangent=found.tangent,
+        fault=found.fault,
+        accept_step=found.accept_step,
+        origin=None,
         stored_energy=stored_energy,
         linear=body.linear,
         keeps_tangent=body.keeps_tangent,
@@ -54,7 +47,7 @@ def body_in_cpp(
         inelastic=body.inelastic,
         has_inertia=body.has_inertia,
         has_springs=body.has_springs,
-        rounds_positions=rounds_positions,
+        rounds_positions=found.rounds_positions,
     )
 
 

@@ -27,9 +27,9 @@ from ..assembly.quadrature_degree import warn_of_degree
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
-from .bodies import assemble_residual, make_body
-from .body import Body, BodyTangent
-from .inelastic_body import InelasticBody
+from .bodies import make_body
+from .body import Body
+from .material_body import MaterialBody
 from .linear_solver import LinearSolver
 from . import newton
 from ..io.mesh_check import check_cells
@@ -39,6 +39,7 @@ from ..common.types import BoolArray, FilePath, FloatArray
 from ..common.units import Units
 from ..common.unique import Unique, claim
 from ..contact.mortar.shared_nodes import connect
+from ..contact.protocol import BodyTangent
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..recording.field_arguments import check_fields
@@ -146,7 +147,6 @@ class StaticProblem(Unique):
             warn_of_degree(residual, u, hypothesis)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads, bodies, tangent, evaluate, accept)
-        self._b = self.body.vector()
         self.residual_form = residual
         self.solves = Solves(signs_are_checked=residual is None or not is_displacement(V))
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -193,7 +193,7 @@ class StaticProblem(Unique):
     @property
     def has_history(self) -> bool:
         """Whether a material has internal variables."""
-        return isinstance(self.body, InelasticBody)
+        return isinstance(self.body, MaterialBody) and self.body.history is not None
 
     @property
     def history(self) -> MaterialHistory:
@@ -202,7 +202,7 @@ class StaticProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        return existing(self.body.history if isinstance(self.body, InelasticBody) else None)
+        return existing(self.body.history if isinstance(self.body, MaterialBody) else None)
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
@@ -294,14 +294,14 @@ class StaticProblem(Unique):
 
     def assemble_residual(self) -> PETSc.Vec:
         """Assemble internal minus external forces, without contact; owned entries are complete [F]. Collective."""
-        return assemble_residual(self.u, self.body, self._b)
+        return self.body.in_cpp().residual()
 
     @property
     def equilibrium(self) -> Any:
         """Bodies and contacts as Newton's method in C++ sees them, EquilibriumProblem (C++)."""
         return _cpp.solve.EquilibriumProblem(
             self.u._cpp_object,
-            newton.body_in_cpp(self.u, self.body, self.material is not None),
+            self.body.in_cpp(),
             [newton.contact_in_cpp(contact) for contact in self.contact],
             self.fixed,
             self.linear_solver._cpp_object,

@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 
-from ..assembly.inelastic_part import InelasticParts
 from ..common.types import FloatArray
 from ..plasticity import ArmstrongFrederick, J2Plasticity, Voce
-from ..statics.inelastic_body import InelasticBody
+from ..statics.material_body import MaterialBody
 from . import bodies
 from .derivative import REASON, STEPS, slope
 from .derivative import TOLERANCE as SLOPE_TOLERANCE
@@ -62,7 +61,7 @@ class TangentOfBody:
         self.u = fem.Function(self.V, name="u")
         options: Any = {**law, "finite_strain": finite, "hypothesis": hypothesis}
         steel = J2Plasticity(E, NU, 1.0, Y, **options)
-        self.body = InelasticBody(self.u, InelasticParts(self.u, steel), None, None)
+        self.body = MaterialBody(self.u, steel)
 
     def force(self, u: FloatArray) -> FloatArray:
         """Internal forces at a displacement, over all degrees of freedom [F].
@@ -71,12 +70,7 @@ class TangentOfBody:
             u: displacement over all degrees of freedom [L].
         """
         self.u.x.array[:] = u
-        b = self.body.vector()
-        with b.localForm() as local:
-            local.set(0.0)
-        self.body.add_residual(b)
-        found: FloatArray = b.array.copy()
-        b.destroy()
+        found: FloatArray = self.body.in_cpp().residual().array.copy()
         return found
 
     def action(self, u: FloatArray, d: FloatArray) -> FloatArray:
@@ -87,7 +81,7 @@ class TangentOfBody:
             d: direction over all degrees of freedom [L].
         """
         self.force(u)
-        K = self.body.assemble()
+        K = self.body.tangent.assemble()
         x, y = K.createVecs()
         x.array[:] = d
         K.mult(x, y)
@@ -116,6 +110,7 @@ class TangentOfBody:
             u: displacement over all degrees of freedom [L].
         """
         self.force(u)
+        assert self.body.force is not None
         points = self.body.force.history
         return np.asarray(points.values("plastic_strain", trial=True) - points.values("plastic_strain")).ravel()
 
@@ -137,7 +132,7 @@ def taylor(
     body = TangentOfBody(cell, degree, hypothesis, finite, law)
     size = 0.1 if finite else 4.0 * Y / E
     body.force(body.homogeneous(size))
-    body.body.accept_step()
+    body.body.in_cpp().accept_step()
     start = body.homogeneous(1.6 * size)
     d = size * np.random.default_rng(7).uniform(-0.3, 0.3, len(start))
     first, direction = body.force(start), body.action(start, d)

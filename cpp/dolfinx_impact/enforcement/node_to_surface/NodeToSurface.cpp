@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodeToSurface.h"
+#include "../../common/gather.h"
 #include "../../search/closest_point/linear_facet.h"
 #include <algorithm>
 #include <cmath>
@@ -62,6 +63,22 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   }
   if (rigid && rigid->gdim != _gdim)
     throw std::invalid_argument("the rigid master has another dimension than the slave");
+  for (std::size_t f = 0; f < slave.size(); ++f)
+  {
+    double square = 0.0;
+    for (int c = 0; c < _gdim; ++c)
+    {
+      double low = slave.X_of(f)[c], high = low;
+      for (int i = 1; i < slave.geometry.num_nodes(); ++i)
+      {
+        low = std::min(low, slave.X_of(f)[i * _gdim + c]);
+        high = std::max(high, slave.X_of(f)[i * _gdim + c]);
+      }
+      square += (high - low) * (high - low);
+    }
+    _facet_length = std::max(_facet_length, std::sqrt(square));
+  }
+  _facet_length = common::largest(V.mesh()->comm(), _facet_length);
   const std::size_t n = _candidates.nodes().size(), vector = n * _gdim;
   _results = {std::vector<ContactStatus>(n, ContactStatus::open),
               std::vector<double>(n, std::numeric_limits<double>::infinity()),
@@ -184,6 +201,21 @@ void NodeToSurface::reset()
       std::visit([](auto values) { std::ranges::fill(values, 0); }, field.values);
   std::ranges::fill(none.values<std::int64_t>("facet"), -1);
   resume(none);
+}
+
+std::optional<std::int64_t> NodeToSurface::too_deep(std::span<const double> u) const
+{
+  if (!_rigid)
+    return std::nullopt;
+  std::int64_t deep = 0;
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+  {
+    double x[3];
+    for (int c = 0; c < _gdim; ++c)
+      x[c] = _candidates.X()[i * _gdim + c] + u[std::size_t(_candidates.nodes()[i]) * _gdim + c];
+    deep += gap::evaluate(_obstacle, std::span(x, _gdim)).gap < -0.5 * _facet_length;
+  }
+  return deep;
 }
 
 // --- contact detection

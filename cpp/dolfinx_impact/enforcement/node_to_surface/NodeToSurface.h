@@ -7,6 +7,7 @@
 #include "NodalContact.h"
 #include "NodeCandidates.h"
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,12 @@ public:
   std::span<const double> master_areas() const { return _areas; }
   const NodalResults& results() const { return _results; }
   const search::NodeTracker& tracker() const { return _tracker; }
+  /// Longest slave facet of all ranks: the diagonal of its box in the reference configuration [L].
+  double facet_length() const { return _facet_length; }
+  /// Number of owned slave nodes that lie in a rigid master by more than half a facet; nothing: the master is
+  /// deformable.
+  /// @param[in] u displacements of owned nodes of the space [L]
+  std::optional<std::int64_t> too_deep(std::span<const double> u) const;
   /// Number of nodes that were left open because their first penetration was implausibly deep.
   std::int64_t implausible() const { return _num_implausible; }
   /// By node: "tangential" forces [F], "slip" [L], "xi" and "facet" (coordinates on and id of the master's facet that
@@ -147,6 +154,7 @@ private:
   surface::Facets _facets, _slave_facets; ///< candidates; slave facets at the nodes
   std::vector<double> _areas;
   std::int64_t _num_implausible = 0;
+  double _facet_length = 0.0;
   double _undisplaced_size = 0.0, _obstacle_size = 0.0; ///< of the numbers in the rigid master's position [L]
 };
 } // namespace dolfinx_impact::enforcement

@@ -81,7 +81,7 @@ const PenaltyOptions& checked(const PenaltyOptions& o)
 QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
                                      surface::Facets slave, std::optional<surface::Facets> master,
                                      std::shared_ptr<gap::Rigid> rigid, const PenaltyOptions& options,
-                                     BodyTangent bodies)
+                                     TangentFunction bodies)
     : _name(std::move(name)), _space(std::move(V)), _options(checked(options)), _bodies(std::move(bodies)),
       _slave(std::move(slave)), _master(std::move(master)), _rigid(std::move(rigid)),
       _size(operators::body_size(*_space->mesh())),
@@ -115,7 +115,7 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
 
 QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
                                      surface::Facets slave, surface::Facets master, const PenaltyOptions& options,
-                                     BodyTangent bodies)
+                                     TangentFunction bodies)
     : QuadraturePenalty(std::move(name), std::move(V), std::move(slave), std::optional(std::move(master)), nullptr,
                         options, std::move(bodies))
 {
@@ -123,7 +123,7 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
 
 QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
                                      surface::Facets slave, gap::Rigid master, const PenaltyOptions& options,
-                                     BodyTangent bodies)
+                                     TangentFunction bodies)
     : QuadraturePenalty(std::move(name), std::move(V), std::move(slave), std::nullopt,
                         std::make_shared<gap::Rigid>(std::move(master)), options, std::move(bodies))
 {

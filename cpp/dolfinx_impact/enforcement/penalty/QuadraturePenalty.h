@@ -34,7 +34,7 @@ class QuadraturePenalty final : public StaticContact
 {
 public:
   /// Assembles the tangent of the bodies at their present state, borrowed until the next call [F/L]. Collective.
-  typedef std::function<Mat()> BodyTangent;
+  typedef std::function<Mat()> TangentFunction;
 
   /// A deformable master. Collective.
   /// @param[in] name of the pair, for messages
@@ -44,11 +44,11 @@ public:
   /// given
   /// @throws std::invalid_argument on all ranks, if the bodies penetrate too deep or an option is not as it says
   QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
-                    surface::Facets master, const PenaltyOptions& options, BodyTangent bodies = {});
+                    surface::Facets master, const PenaltyOptions& options, TangentFunction bodies = {});
   /// A rigid one, at its place in the reference configuration; its displacement comes with begin_step. Collective.
   /// @throws std::invalid_argument on all ranks, also if the obstacle's surface does not face the slave
   QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
-                    gap::Rigid master, const PenaltyOptions& options, BodyTangent bodies = {});
+                    gap::Rigid master, const PenaltyOptions& options, TangentFunction bodies = {});
 
   const std::string& name() const override { return _name; }
   std::string fault() const override { return _fault; }
@@ -117,7 +117,7 @@ public:
 private:
   QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                     std::optional<surface::Facets> master, std::shared_ptr<gap::Rigid> rigid,
-                    const PenaltyOptions& options, BodyTangent bodies);
+                    const PenaltyOptions& options, TangentFunction bodies);
   MPI_Comm comm() const { return _space->mesh()->comm(); }
   const gap::Points& at() const { return _forces.points(); }
   double sum_over_ranks(double value) const;
@@ -133,7 +133,7 @@ private:
   std::string _name;
   std::shared_ptr<const surface::FunctionSpace> _space;
   PenaltyOptions _options;
-  BodyTangent _bodies;
+  TangentFunction _bodies;
   surface::Facets _slave; ///< nodes of the space; moved where that is said
   std::optional<surface::Facets> _master;
   std::shared_ptr<gap::Rigid> _rigid;

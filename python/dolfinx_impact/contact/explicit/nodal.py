@@ -133,8 +133,6 @@ class NodalResult(ContactOutput):
             _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
         self._law, self.parameters = law, options
         self._surfaces = slave, self.obstacle if pair.rigid else master
-        facet = float(np.max(np.linalg.norm(np.ptp(slave.X, axis=1), axis=-1), initial=0.0))
-        self._facet = self.comm.allreduce(facet, MPI.MAX)  # longest one in the reference configuration
         self._compliances: tuple[FloatArray, FloatArray] | None = None
         if not self.kinematic and not self.penalty and not by_step:
             self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master)
@@ -156,7 +154,7 @@ class NodalResult(ContactOutput):
     @property
     def facet_length(self) -> float:
         """Longest slave facet of all ranks in the reference configuration [L]."""
-        return self._facet
+        return float(self._sides[0].facet_length)
 
     @property
     def kind(self) -> str:
@@ -312,7 +310,8 @@ class NodalResult(ContactOutput):
         """
         deep = int(self._sides[0].counters()["implausible"])  # kinematic contact evaluates gaps inside steps only
         if self.problem.step == 0 and self.pair.rigid:
-            deep = self._deep_in_obstacle()
+            num_owned = self.V.dofmap.index_map.size_local * self.gdim
+            deep = self._sides[0].too_deep(self.problem.u.x.array[:num_owned])
         elif self.problem.step == 0 and self.kinematic:
             deep = self._deep_by_springs()
         deep = self.comm.allreduce(deep, MPI.SUM)
@@ -330,14 +329,6 @@ class NodalResult(ContactOutput):
         (side,), zero = twin.directions, np.zeros_like(u)
         side.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
         return int(side.counters()["implausible"])
-
-    def _deep_in_obstacle(self) -> int:
-        """Number of nodes that penetrate a rigid master by more than half a facet in the present configuration."""
-        assert self.motion is not None and self.obstacle is not None  # check_start has found a rigid master
-        moved = (self.motion.sample([self.problem.time])[0] - self.pair.rigid_master.displacement)[: self.gdim]
-        x = self._X + self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes] - moved
-        gap = self.obstacle.evaluate(np.ascontiguousarray(x).ravel())[0]
-        return int(np.count_nonzero(gap < -0.5 * self._facet))
 
     @property
     def gap(self) -> FloatArray:

@@ -39,7 +39,7 @@ from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
-from ...statics.inelastic_body import InelasticBody
+from ...statics.material_body import MaterialBody
 from ...statics.newton import body_in_cpp
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
@@ -49,6 +49,7 @@ from ..recorder import Recorder, check_arguments
 from ..run_history import RunHistory, total_energy
 from ..stable_step import cell_sizes
 from ..read_once import ReadOnce
+from ..subject import in_time
 from ..supports import Supports
 from .mass_redistribution import MassRedistribution
 from .damping import DampingForce
@@ -67,7 +68,7 @@ if TYPE_CHECKING:
     from ...contact.mortar.lagrange import Lagrange, LagrangeContact
     from ...contact.penalty.penalty import Penalty
     from ...contact.penalty.quadrature_penalty import QuadraturePenalty
-    from ...statics.body import BodyTangent
+    from ...contact.protocol import BodyTangent
 
 IMPACT = ("mass_redistribution", "none")
 # Smallest tolerance of local errors: they follow from differences of accelerations, whose round-off in double
@@ -251,7 +252,7 @@ class NewmarkProblem(Unique):
         springs = foundations(self.loads)
         stored, damping = StoredEnergy(u, material, self.body, springs), self._damping_force(resisting, bodies)
         moving_body = _cpp.integrators.MovingBody(
-            body_in_cpp(u, self.body, material is not None, stored.value), u._cpp_object, self.velocity._cpp_object,
+            body_in_cpp(self.body, stored.value), u._cpp_object, self.velocity._cpp_object,
             self.inertia._cpp_object, self.damping.alpha, None if damping is None else damping.in_cpp(),
         )  # fmt: skip
         self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
@@ -269,9 +270,14 @@ class NewmarkProblem(Unique):
             self.comm, self.functions, self.supports, self.num_owned, self.loads_in_time, work, self.obstacles
         )
         self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
-        self.stepper = ImplicitStepper(self, moving_body)
+        self.stepper = ImplicitStepper(
+            self.equations, moving_body, self.scheme, self.excitation, self.inertia.total, self.velocity,
+            self.acceleration, material, self.inputs, self.read, self.evaluates,
+        )  # fmt: skip
         self._cpp_object: Any = self.stepper._cpp_object
-        self._restart = ImplicitRestart(self)
+        self._restart = ImplicitRestart(
+            in_time(self), u, self.stepper, self.contact, self.functions, self.run_history, self, self._resume
+        )
         self._cpp_object.enter_contact()
         self._cpp_object.start()
         self.add_row()
@@ -352,10 +358,20 @@ class NewmarkProblem(Unique):
         work = 0.5 * float(self.stepper.account.forces.internal @ self.stepper.motion.displacement)
         return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
 
-    def check_growth(self) -> None:
-        """Raise RuntimeError, on all ranks, if a residual of the user's own makes the body move ever faster."""
+    def _accepted(self) -> float:
+        """Take a step over into the histories. Collective.
+
+        Returns:
+            Drift of the energy [1].
+
+        Raises:
+            RuntimeError: a residual of the user's own makes the body move ever faster; on all ranks.
+        """
+        self.add_row()
         if self._growth is not None:
             self._growth.check(self._energy, self.stepper.time)
+        assert self.run_history.last is not None  # a row has been added
+        return self.run_history.drift(self.run_history.last)
 
     def add_row(self) -> None:
         """Add the present energies and contact forces to the history. Collective."""
@@ -465,9 +481,10 @@ class NewmarkProblem(Unique):
             contact.check_parameters()
         if until == self.time:
             return
+        setting = None if update is None else lambda time: update(self, time)
         if self.step == 0 and (update is not None or any(column >= 0 for _, _, column in self.supports)):
             # Only now is there a step over which prescribed motion can be differentiated.
-            self.stepper.update(update, 0.0)
+            self.stepper.update(setting, 0.0)
             self._cpp_object.start(dt)
             self.run_history.begin_anew()
             self.add_row()
@@ -475,8 +492,9 @@ class NewmarkProblem(Unique):
         control = _cpp.integrators.StepControl(dt, shortest, tolerance)
         if known is not None and known.largest == dt and known.tolerance == tolerance:
             control = _cpp.integrators.StepControl(dt, shortest, tolerance, known.length, known.last)
+        after = None if callback is None else lambda: callback(self)
         limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
-        self.stepper.advance(until, control, limits, callback, update, progress, verbose)
+        self.stepper.advance(until, control, limits, after, setting, self._accepted, progress, verbose)
         self.linear_solver.warn_of_unused()
 
     @property
@@ -527,7 +545,7 @@ class NewmarkProblem(Unique):
     @property
     def has_history(self) -> bool:
         """Whether a material has internal variables."""
-        return isinstance(self.body, InelasticBody)
+        return isinstance(self.body, MaterialBody) and self.body.history is not None
 
     @property
     def history(self) -> MaterialHistory:
@@ -536,7 +554,7 @@ class NewmarkProblem(Unique):
         Raises:
             ValueError: no material has any.
         """
-        return existing(self.body.history if isinstance(self.body, InelasticBody) else None)
+        return existing(self.body.history if isinstance(self.body, MaterialBody) else None)
 
     # What a checkpoint asks of a problem in time, and implicit ones do not have.
     mass_scaling: float | None = None
@@ -547,7 +565,7 @@ class NewmarkProblem(Unique):
         """None: all loads are forms."""
         return []
 
-    def resume(self) -> None:
+    def _resume(self) -> None:
         """Compute what follows from a restored state. Collective."""
         self._cpp_object.resume()
         self._set_energy()

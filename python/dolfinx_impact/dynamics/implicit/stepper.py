@@ -10,23 +10,28 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from dolfinx import fem, la
 
 from ... import _cpp
 from ...assembly.large_rotation import RotationWarning
+from ...assembly.operators import Inputs
 from ...common.collective import agree, attempt, is_common
 from ...common.described import Described
 from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
+from ...materials import MaterialMap, _Material
 from ...statics.load_steps import StepLog
 from ...statics.snes import Solver
 from ..advance_calls import AdvanceCalls, check_not_written
 from ..progress import ProgressBar
+from ..read_once import ReadOnce
 from ..run_history import ENERGIES
 from ..step_schedule import StepSchedule
+from .excitation import Excitation
+from .step_equations import StepEquations
 
 if TYPE_CHECKING:
     from ..recorder import Recorder
-    from .problem import NewmarkProblem
 
 LOG = logging.getLogger("dolfinx_impact")
 MOST_STEPS = 10**8  # in one call
@@ -37,8 +42,17 @@ class ImplicitStepper(Described):
     cpp/dolfinx_impact/integrators/newmark/ImplicitStepper.h.
 
     Args:
-        problem: NewmarkProblem with equations, inertia, excitation and functions.
+        equations: equations of a step.
         body: bodies with inertia (C++).
+        scheme: parameters of the scheme (C++).
+        excitation: loads, supports and rigid masters at a time.
+        mass: lumped mass of the bodies, by which errors are weighted [M].
+        velocity: velocity at the present time [L/T].
+        acceleration: acceleration at the present time [L/T^2].
+        material: material of the bodies, which may not know large rotations; None for a residual of a user's own.
+        inputs: constants and functions that residual and loads read.
+        read: values of supports and rigid masters that the problem goes on with.
+        evaluates: whether a function of the user sets what the residual reads, at every displacement.
 
     Attributes:
         control: lengths of steps (C++); None before the first `advance`.
@@ -46,17 +60,30 @@ class ImplicitStepper(Described):
         recorders: Recorders that write during the run.
     """
 
-    def __init__(self, problem: NewmarkProblem, body: Any) -> None:
-        self.problem, self.comm = problem, problem.comm
+    def __init__(
+        self,
+        equations: StepEquations,
+        body: Any,
+        scheme: _cpp.integrators.ImplicitScheme,
+        excitation: Excitation,
+        mass: la.Vector,
+        velocity: fem.Function,
+        acceleration: fem.Function,
+        material: _Material | MaterialMap | None,
+        inputs: Inputs,
+        read: ReadOnce,
+        evaluates: bool,
+    ) -> None:
+        self.equations, self.comm, self.u, self.velocity = equations, equations.space.mesh.comm, equations.u, velocity
+        self.inputs, self.read, self._evaluates = inputs, read, evaluates
         self._cpp_object = _cpp.integrators.ImplicitStepper(
-            problem.equations.equilibrium, body, problem.scheme, _cpp.integrators.PythonExcitation(problem.excitation),
-            problem.inertia.total.array[: problem.num_owned], problem.velocity._cpp_object,
-            problem.acceleration._cpp_object,
+            equations.equilibrium, body, scheme, _cpp.integrators.PythonExcitation(excitation),
+            mass.array[: equations.num_owned], velocity._cpp_object, acceleration._cpp_object,
         )  # fmt: skip
         self.control: Any = None
         self.recorders: list[Recorder] = []
         self.calls = AdvanceCalls()
-        self._rotation_warning = RotationWarning(problem.material)
+        self._rotation_warning = RotationWarning(material)
         self._solver: Solver | None = None  # of the present `advance`
         self._log: StepLog | None = None  # of it
         self._warned = False  # of values that came late
@@ -123,8 +150,9 @@ class ImplicitStepper(Described):
         until: float,
         control: Any,
         solver_arguments: dict[str, Any],
-        callback: Callable[[NewmarkProblem], object] | None,
-        update: Callable[[NewmarkProblem, float], object] | None,
+        callback: Callable[[], object] | None,
+        update: Callable[[float], object] | None,
+        accepted: Callable[[], float],
         progress: bool,
         verbose: bool,
     ) -> None:
@@ -136,6 +164,7 @@ class ImplicitStepper(Described):
             solver_arguments: tolerances and limits of Newton's method by the names of statics.snes.Solver.
             callback: function that is called after each step, or None.
             update: function that sets values for a time, or None.
+            accepted: function that takes a step over into the histories, and returns the drift of the energy [1].
             progress: whether a progress bar is shown.
             verbose: whether iterations are printed on the terminal.
 
@@ -146,10 +175,10 @@ class ImplicitStepper(Described):
         self.control = control
         log = StepLog(self.comm, verbose)
         with self.calls.running(), Interrupts(self.comm) as interrupts:
-            with Solver(self.problem.equations, interrupts=interrupts, **solver_arguments) as solver:
+            with Solver(self.equations, interrupts=interrupts, **solver_arguments) as solver:
                 self._solver, self._log = solver, log
                 try:
-                    self._advance(until, control, callback, update, progress, interrupts)
+                    self._advance(until, control, callback, update, accepted, progress, interrupts)
                 finally:
                     self._solver = self._log = None
             interrupts.check()
@@ -158,13 +187,14 @@ class ImplicitStepper(Described):
         self,
         until: float,
         control: Any,
-        callback: Callable[[NewmarkProblem], object] | None,
-        update: Callable[[NewmarkProblem, float], object] | None,
+        callback: Callable[[], object] | None,
+        update: Callable[[float], object] | None,
+        accepted: Callable[[], float],
         progress: bool,
         interrupts: Interrupts,
     ) -> None:
         if callback and self.step == 0:
-            interrupts.check(self._called(callback, self.problem))
+            interrupts.check(self._called(callback))
         expected = max(1, math.ceil((until - self.time) / control.length))
         schedule = StepSchedule(self.time, until, self.step, self.step + expected)
         with ProgressBar(self.comm, schedule, progress) as bar:
@@ -172,18 +202,17 @@ class ImplicitStepper(Described):
                 goal = min([until, *(r.next_time for r in self.recorders if r.next_time > self.time)])
                 before = self.time
                 self._take(goal, control, update)
+                drift = accepted()
                 for recorder in self.recorders:
                     recorder.after()
-                error = self._called(callback, self.problem) if callback else None
+                error = self._called(callback) if callback else None
                 # Where a filter makes an error of the warning, it is that of one rank.
                 error = error or attempt(self._warn_of_late_values, callback is not None)[1]
-                history = self.problem.run_history
-                assert history.last is not None  # the step has added its row
-                bar.show(self.step, self.time, self.time - before, history.drift(history.last))
+                bar.show(self.step, self.time, self.time - before, drift)
                 interrupts.check(error)
-        self._rotation_warning.look(self.problem.u, stacklevel=4)
+        self._rotation_warning.look(self.u, stacklevel=4)
 
-    def _take(self, goal: float, control: Any, update: Callable[[NewmarkProblem, float], object] | None) -> None:
+    def _take(self, goal: float, control: Any, update: Callable[[float], object] | None) -> None:
         """Take one step on the way to a time. Collective.
 
         Raises:
@@ -196,10 +225,8 @@ class ImplicitStepper(Described):
             if is_common(self.comm, raised):
                 self._cpp_object.update_gaps()
             raise
-        if self.problem.evaluates:
-            self.problem.inputs.store()
-        self.problem.add_row()
-        self.problem.check_growth()
+        if self._evaluates:
+            self.inputs.store()
 
     def _solve(self, target: FloatArray) -> _cpp.solve.Increment:
         """Solve the equations of one step. Collective.
@@ -223,25 +250,25 @@ class ImplicitStepper(Described):
         return error or attempt(self._check_not_written)[1]
 
     def _check_not_written(self) -> None:
-        n, motion = self.problem.num_owned, self.motion
+        n, motion = self.equations.num_owned, self.motion
         same = []
-        for f, values in ((self.problem.u, motion.displacement), (self.problem.velocity, motion.velocity)):
+        for f, values in ((self.u, motion.displacement), (self.velocity, motion.velocity)):
             shown = f.x.array[:n]
             same.append(bool(np.array_equal(shown, values)))
             shown[:] = values
         check_not_written(*same)
-        self.problem.read.check()
+        self.read.check()
 
-    def update(self, update: Callable[[NewmarkProblem, float], object] | None, time: float) -> None:
+    def update(self, update: Callable[[float], object] | None, time: float) -> None:
         """Let a user set the values of a time; an error on one rank is raised on all. Collective.
 
         Args:
-            update: function of problem and time, or None.
+            update: function of time, or None.
             time: time [T].
         """
         if update is not None:
-            agree(self.comm, self._called(update, self.problem, time), "update")
-        self.problem.inputs.store()
+            agree(self.comm, self._called(update, time), "update")
+        self.inputs.store()
 
     def _warn_of_late_values(self, called: bool) -> None:
         """Warn, once and on rank 0, of values that a callback has set for the present time.
@@ -249,7 +276,7 @@ class ImplicitStepper(Described):
         Args:
             called: whether there is a callback.
         """
-        if called and self.comm.rank == 0 and not self._warned and self.problem.inputs.changed():
+        if called and self.comm.rank == 0 and not self._warned and self.inputs.changed():
             self._warned = True
             warnings.warn(
                 f"the callback has changed what residual or loads read, at the time {self.time:.6g}: it acts in the "

@@ -15,7 +15,7 @@ from ...foundation import Foundation
 from ...forms.inelastic import ELASTIC_ENERGY
 from ...materials import MaterialMap, _Material
 from ...statics.body import Body
-from ...statics.inelastic_body import InelasticBody
+from ...statics.material_body import MaterialBody
 
 
 class StoredEnergy(Described):
@@ -47,6 +47,6 @@ class StoredEnergy(Described):
         if not self._known:
             return None
         stored = 0.0 if self._elastic is None else self._elastic.value()
-        if isinstance(self._body, InelasticBody):
+        if isinstance(self._body, MaterialBody) and self._body.force is not None:
             stored += self._body.force.sum(ELASTIC_ENERGY)
         return stored

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""Bodies that are assembled in C++: by kernels of our own, FFCx's, or both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import ufl
+from dolfinx import fem
+from petsc4py import PETSc
+
+from .. import _cpp
+from ..assembly.operators import BilinearKernels, InternalForce
+from ..common.described import Described
+
+
+class BodyMatrix(Described):
+    """Derivative of the residual of bodies.
+
+    Args:
+        body: the bodies (C++).
+        matrix: their matrix, made once [F/L].
+
+    Attributes:
+        matrix: as given.
+    """
+
+    def __init__(self, body: _cpp.solve.Body, matrix: PETSc.Mat) -> None:
+        self._body, self.matrix = body, matrix
+
+    def assemble(self) -> PETSc.Mat:
+        """Assemble the matrix at the present state. Collective.
+
+        Returns:
+            The matrix of this object; the next call overwrites it.
+        """
+        return self._body.tangent()
+
+
+def depends_on(form: ufl.Form | None, u: fem.Function) -> tuple[bool, bool]:
+    """Whether a form contains u, and whether it still does when its derivatives have been taken.
+
+    Args:
+        form: UFL form; None: it is zero.
+        u: displacement function.
+    """
+    if form is None or not any(c is u for c in form.coefficients()):
+        return False, False
+    return True, any(c is u for c in ufl.algorithms.expand_derivatives(form).coefficients())
+
+
+class AssembledBody(Described):
+    """A view of cpp/dolfinx_impact/problems/AssembledBody.h; see Body.
+
+    Args:
+        u: displacement function [L].
+        forces: parts of the residual by kernels.
+        kernels: their derivatives.
+        residual: the rest of the residual, of FFCx; None: there is none.
+        tangent: its derivative; None: it is zero.
+        linear, keeps_tangent, symmetric, inelastic, has_springs: see Body.
+        rounds_positions: whether round-off of positions enters the forces.
+
+    Attributes:
+        tangent: derivative of the residual.
+        linear, keeps_tangent, symmetric, inelastic, has_springs: as given.
+        has_inertia: False.
+    """
+
+    has_inertia = False
+
+    def __init__(
+        self,
+        u: fem.Function,
+        forces: Sequence[InternalForce],
+        kernels: Sequence[BilinearKernels],
+        residual: fem.Form | None,
+        tangent: fem.Form | None,
+        linear: bool,
+        keeps_tangent: bool,
+        symmetric: bool,
+        inelastic: bool,
+        has_springs: bool,
+        rounds_positions: bool,
+    ) -> None:
+        self.linear, self.keeps_tangent, self.symmetric = linear, keeps_tangent, symmetric
+        self.inelastic, self.has_springs = inelastic, has_springs
+        V = u.function_space._cpp_object
+        matrix = _cpp.operators.KernelTangent(
+            V,
+            V,
+            [integral for k in kernels for integral in k.integrals],
+            [source for k in kernels for source in k.sources],
+            None if tangent is None else tangent._cpp_object,
+        )
+        read = [f for k in kernels for f in k.functions] + [f for o in forces for f in o.coefficients.values()]
+        self._cpp_object = _cpp.problems.AssembledBody(
+            u._cpp_object,
+            None if residual is None else residual._cpp_object,
+            matrix,
+            forces=[force.live() for force in forces],
+            energies=[],
+            energy_is_known=False,
+            tangent_constants=[constants for k in kernels for constants in k.constants],
+            functions=[f._cpp_object for f in {id(f): f for f in read if f is not u}.values()],
+            linear=linear,
+            keeps_tangent=keeps_tangent,
+            symmetric=symmetric,
+            inelastic=inelastic,
+            has_springs=has_springs,
+            rounds_positions=rounds_positions,
+        )
+        # FFCx's functions are Python's, which must live as long as the forms.
+        self._keep = residual, tangent
+        self.tangent = BodyMatrix(self._cpp_object, matrix.matrix)
+
+    def in_cpp(self) -> _cpp.solve.Body:
+        """The bodies as Newton's method in C++ sees them."""
+        return self._cpp_object

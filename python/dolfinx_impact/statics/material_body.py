@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: MIT
+"""Bodies of materials: internal forces, tangent and history by our kernels, loads by FFCx's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ufl
+from dolfinx import fem
+
+from ..assembly import operators
+from ..assembly.ffcx_form import ffcx_form
+from ..assembly.history import MaterialHistory
+from ..assembly.inelastic_part import InelasticParts
+from ..assembly.jit import compile_form
+from ..assembly.operators import BilinearKernels, InternalForce
+from ..materials import Material
+from .assembled_body import AssembledBody, depends_on
+
+
+class MaterialBody(AssembledBody):
+    """Bodies of materials, with internal variables or without; see Body.
+
+    Args:
+        u: displacement function [L].
+        material: material of the bodies.
+        external: UFL form of the virtual work of loads; None: there are none.
+        stiffness: UFL form of its derivative; None: it is zero.
+        has_springs: whether springs to the ground may hold the bodies.
+
+    Attributes:
+        force: operator of the internal forces of materials with internal variables, which keeps them; None: there are
+            none.
+        history: internal variables by name, or None.
+        parts: parts of materials with internal variables.
+    """
+
+    def __init__(
+        self,
+        u: fem.Function,
+        material: Material,
+        external: ufl.Form | None = None,
+        stiffness: ufl.Form | None = None,
+        has_springs: bool = False,
+    ) -> None:
+        V = u.function_space
+        v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+        forces, kernels, contains, varies = [], [], False, False
+        elastic: Any = operators.internal_force_form(u, v, material)
+        if isinstance(elastic, ufl.Form):  # not of inelastic materials alone
+            tangent = operators.tangent_form(u, du, v, material)
+            contains, varies = depends_on(tangent, u)
+            forces.append(InternalForce(elastic))
+            kernels.append(BilinearKernels(tangent, compile_form(tangent)))
+        self.parts = parts = InelasticParts(u, material)
+        self.force: InternalForce | None = None
+        self.history: MaterialHistory | None = None
+        if len(parts) > 0:
+            # By itself: cells with a point law take one quadrature rule, loads may need another one.
+            form, laws = parts.force(v)
+            self.force = InternalForce(form, law=laws)
+            self.history = MaterialHistory(parts, self.force.history)
+            forces.append(self.force)
+            kernels += [part.tangent(self.force.history) for part in parts]
+        of_loads = depends_on(stiffness, u)
+        inelastic = self.force is not None
+        super().__init__(
+            u,
+            forces,
+            kernels,
+            None if external is None else ffcx_form(-external),
+            None if stiffness is None else ffcx_form(-stiffness),
+            linear=not inelastic and not varies and not of_loads[1],
+            keeps_tangent=not inelastic and not contains and stiffness is None,
+            # Kinematic hardening with recovery and finite strain make the tangent of plastic flow unsymmetric.
+            symmetric=not inelastic,
+            inelastic=inelastic,
+            has_springs=has_springs,
+            rounds_positions=True,
+        )

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: MIT
+// Explicit problems in C++: bodies by kernel name, what acts on them in time, steps that follow the body, runs that
+// fail.
+#include <algorithm>
+#include <basix/finite-element.h>
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/matchers/catch_matchers_string.hpp>
+#include <cmath>
+#include <dolfinx/fem/utils.h>
+#include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
+#include <dolfinx_impact/problems/ExplicitProblem.h>
+#include <dolfinx_impact/problems/explicit_body.h>
+#include <dolfinx_impact/surface/Surface.h>
+#include <numeric>
+#include <stdexcept>
+
+using namespace dolfinx;
+using namespace dolfinx_impact;
+using Catch::Approx;
+
+namespace
+{
+namespace explicit_test
+{
+auto at(int axis, double where)
+{
+  return [=](auto x)
+  {
+    std::vector<std::int8_t> marked(x.extent(1));
+    for (std::size_t p = 0; p < marked.size(); ++p)
+      marked[p] = std::abs(x(axis, p) - where) < 1e-9;
+    return marked;
+  };
+}
+
+/// A unit square of a law of E = 1, density 1.
+struct Square
+{
+  std::shared_ptr<mesh::Mesh<double>> mesh;
+  std::shared_ptr<fem::FunctionSpace<double>> V;
+  std::shared_ptr<fem::Function<double>> u, v;
+  problems::KernelMaterial law;
+
+  explicit Square(std::string name, double speed = 0.0)
+      : law{std::move(name), {{"E", {1.0}}, {"nu", {0.3}}}, "plane_strain"}
+  {
+    mesh = std::make_shared<mesh::Mesh<double>>(mesh::create_rectangle<double>(
+        MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, 1.0}}}, {4, 4}, mesh::CellType::quadrilateral));
+    const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
+                                                       basix::element::lagrange_variant::gll_warped,
+                                                       basix::element::dpc_variant::unset, false);
+    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    u = std::make_shared<fem::Function<double>>(V);
+    v = std::make_shared<fem::Function<double>>(V);
+    const std::vector<double> x = V->tabulate_dof_coordinates(false);
+    for (std::size_t node = 0; node < x.size() / 3; ++node)
+      v->x()->mutable_array()[2 * node + 1] = speed * (x[3 * node + 1] - 0.5);
+  }
+
+  problems::ExplicitBody body(const problems::ExplicitBodyOptions& options = {}) const
+  {
+    return problems::explicit_body(u, {{law, 1.0}}, options);
+  }
+  /// Displacements of an edge, of the value one along y.
+  std::shared_ptr<fem::DirichletBC<double>> edge(double y) const
+  {
+    auto values = std::make_shared<fem::Function<double>>(V);
+    for (std::size_t i = 1; i < values->x()->array().size(); i += 2)
+      values->x()->mutable_array()[i] = 1.0;
+    return std::make_shared<fem::DirichletBC<double>>(values, fem::locate_dofs_geometrical(*V, at(1, y)));
+  }
+  double largest() const
+  {
+    return std::ranges::max(u->x()->array(), {}, [](double value) { return std::abs(value); });
+  }
+};
+} // namespace explicit_test
+using explicit_test::Square;
+} // namespace
+
+TEST_CASE("a square that swings keeps its energy and tells every step")
+{
+  Square square("linear_elastic", 0.1);
+  problems::ExplicitProblem problem(square.u, square.v, square.body());
+  const double start = problem.energies().kinetic, limit = problem.stable_step();
+  CHECK(limit == Approx(problem.safe_step().value()).epsilon(1e-14));
+  int calls = 0;
+  double last = 0.0;
+  problem.advance(20.0 * limit, {},
+                  [&](double time, const state::State& state)
+                  {
+                    ++calls;
+                    last = time;
+                    CHECK(state.field("displacement").rows() == 25);
+                    CHECK(time == problem.time());
+                  });
+  CHECK(calls == problem.step());
+  CHECK(calls == 23); // of 0.9 of the stable step
+  CHECK(last == 20.0 * limit);
+  CHECK(problem.history().num_rows() == 23);
+  const integrators::Energies now = problem.energies();
+  CHECK(start == Approx(0.5 * 0.01 * 0.09375)); // sum of m (y - 1/2)^2 over five rows of nodes
+  CHECK(std::abs(problem.history().drift(now)) < 1e-3);
+  CHECK(square.largest() > 0.01);
+}
+
+TEST_CASE("steps beyond the stable one are refused; taken nevertheless they fail, and the state is one that was good")
+{
+  Square square("linear_elastic", 0.1);
+  problems::ExplicitProblem problem(square.u, square.v, square.body());
+  const double limit = problem.stable_step();
+  CHECK_THROWS_AS(problem.advance(100.0, {.dt = 2.0 * limit}), dolfinx_impact::common::BadValue);
+  CHECK_THROWS_AS(problem.advance(-1.0), dolfinx_impact::common::BadValue);
+  CHECK(problem.step() == 0);
+  CHECK_THROWS_WITH(problem.advance(2000.0 * limit, {.dt = 2.0 * limit, .unsafe = true}),
+                    Catch::Matchers::ContainsSubstring("went unstable") &&
+                        Catch::Matchers::ContainsSubstring("number in the mesh's input"));
+  CHECK(problem.time() < 2000.0 * limit);
+  CHECK(square.largest() < 1.0);
+  problem.advance(problem.time() + 10.0 * limit); // it goes on from there
+  CHECK(std::isfinite(problem.energies().kinetic));
+}
+
+TEST_CASE("what a callback throws leaves the steps that were made, and the same call goes on with the others")
+{
+  Square one("linear_elastic", 0.1), other("linear_elastic", 0.1);
+  problems::ExplicitProblem left(one.u, one.v, one.body()), whole(other.u, other.v, other.body());
+  const double end = 30.0 * whole.stable_step();
+  const auto leave = [&](double, const state::State&)
+  {
+    if (left.step() == 7)
+      throw std::out_of_range("left");
+  };
+  CHECK_THROWS_AS(left.advance(end, {}, leave), std::out_of_range);
+  CHECK(left.step() == 7);
+  left.advance(end);
+  whole.advance(end);
+  CHECK(left.step() == whole.step());
+  CHECK(std::ranges::equal(one.u->x()->array(), other.u->x()->array()));
+}
+
+TEST_CASE("supports and loads follow their functions of time")
+{
+  Square square("linear_elastic");
+  const auto amplitude = [](double t) { return 0.01 * t * t; };
+  // A force of one along x on the upper right corner.
+  const auto corner = fem::locate_dofs_geometrical(*square.V,
+                                                   [](auto x)
+                                                   {
+                                                     std::vector<std::int8_t> marked(x.extent(1));
+                                                     for (std::size_t p = 0; p < marked.size(); ++p)
+                                                       marked[p] = x(0, p) > 1.0 - 1e-9 && x(1, p) > 1.0 - 1e-9;
+                                                     return marked;
+                                                   });
+  const problems::LoadInTime load{
+      {2 * corner.at(0)}, {1.0}, problems::FunctionOfTime([](double t) { return 0.1 * t; })};
+  problems::ExplicitProblem problem(square.u, square.v, square.body(), {{square.edge(0.0), {amplitude}}}, {load});
+  problem.advance(2.0);
+  double lowest = 1.0, highest = 0.0;
+  for (const std::int32_t node : fem::locate_dofs_geometrical(*square.V, explicit_test::at(1, 0.0)))
+  {
+    lowest = std::min(lowest, square.u->x()->array()[2 * node + 1]);
+    highest = std::max(highest, square.u->x()->array()[2 * node + 1]);
+    CHECK(square.u->x()->array()[2 * node] == 0.0);
+  }
+  CHECK(lowest == Approx(0.04).epsilon(1e-14));
+  CHECK(highest == lowest);
+  CHECK(square.u->x()->array()[2 * corner[0]] > 0.0);
+  CHECK(std::abs(problem.history().drift(problem.energies())) < 0.01); // supports and load have done work
+  const auto jump = [](double) { return 1.0; };
+  Square still("linear_elastic");
+  CHECK_THROWS_AS(problems::ExplicitProblem(still.u, nullptr, still.body(), {{still.edge(0.0), {jump}}}),
+                  dolfinx_impact::common::BadValue);
+  const auto no_number = [](double t) { return t > 1.0 ? std::nan("") : 0.0; };
+  problems::ExplicitProblem stops(still.u, nullptr, still.body(), {{still.edge(0.0), {no_number}}});
+  CHECK_THROWS_WITH(stops.advance(2.0), Catch::Matchers::ContainsSubstring("is nan at the time"));
+}
+
+TEST_CASE("damping and bulk viscosity take energy, and shorten the stable step")
+{
+  Square square("neo_hookean", 0.1);
+  problems::ExplicitProblem free(square.u, square.v, square.body());
+  Square damped("neo_hookean", 0.1);
+  problems::ExplicitProblem slow(damped.u, damped.v,
+                                 damped.body({.alpha = 0.1, .beta = 0.02, .bulk_viscosity = {0.06, 1.2}}));
+  CHECK(slow.stable_step() < free.stable_step());
+  slow.advance(3.0);
+  const integrators::Energies taken = slow.energies();
+  CHECK(taken.damping > 0.0);
+  CHECK(taken.viscosity > 0.0);
+  CHECK(std::abs(slow.history().drift(taken)) < 0.01);
+  CHECK_THROWS_AS(problems::ExplicitProblem(damped.u, damped.v, damped.body({.beta = 0.02}), {}, {}, {},
+                                            {.scheme = integrators::Scheme::classical}),
+                  std::invalid_argument);
+}
+
+TEST_CASE("steps follow a body that stiffens")
+{
+  Square square("neo_hookean");
+  const auto press = [](double t) { return -0.2 * std::min(t, 2.0) * std::min(t, 2.0) / 4.0; };
+  problems::ExplicitProblem problem(square.u, square.v, square.body(),
+                                    {{square.edge(1.0), {press}}, {square.edge(0.0), {[](double) { return 0.0; }}}});
+  const double start = problem.safe_step().value();
+  problem.advance(2.0);
+  CHECK(problem.safe_step().value() < 0.95 * start);
+  CHECK(problem.stepper().nominal_step() < problem.stable_step() * (1.0 + 1e-12));
+}
+
+TEST_CASE("a law with internal variables flows; materials have their cells; added mass lengthens steps")
+{
+  Square square("j2.small.linear", 0.5);
+  square.law.constants["yield_stress"] = {0.01};
+  square.law.constants["modulus"] = {0.1};
+  problems::ExplicitProblem problem(square.u, square.v, square.body());
+  problem.advance(1.0);
+  CHECK(problem.energies().plastic > 0.01 * problem.energies().kinetic);
+  CHECK(std::abs(problem.history().drift(problem.energies())) < 0.01);
+
+  Square two("linear_elastic");
+  std::vector<std::int32_t> cells(16), values(16);
+  std::iota(cells.begin(), cells.end(), 0);
+  for (int k = 0; k < 16; ++k)
+    values[k] = k < 6 ? 1 : 2;
+  const mesh::MeshTags<std::int32_t> tags(two.mesh->topology(), 2, cells, values);
+  const auto sum = [](const problems::ExplicitBody& body)
+  { return std::accumulate(body.mass.begin(), body.mass.end(), 0.0) / 2.0; };
+  CHECK(sum(problems::explicit_body(two.u, {{two.law, 1.0, 1}, {two.law, 3.0, 2}}, {}, &tags)) ==
+        Approx((6.0 + 3.0 * 10.0) / 16.0));
+  CHECK_THROWS_AS(problems::explicit_body(two.u, {{two.law, 1.0, 1}}, {}, &tags), std::invalid_argument);
+  CHECK_THROWS_AS(problems::explicit_body(two.u, {{two.law, 0.0}}), std::invalid_argument);
+  const double limit = problems::ExplicitProblem(two.u, nullptr, two.body()).stable_step();
+  const problems::ExplicitBody heavy = two.body({.mass_scaling = 2.0 * limit});
+  CHECK(sum(heavy) == Approx(4.0));
+  CHECK(problems::ExplicitProblem(two.u, nullptr, heavy).stable_step() == Approx(2.0 * limit));
+}
+
+TEST_CASE("bodies that overlap their obstacle at the start are refused; others are pushed back")
+{
+  const gap::Rigid deep{.kind = gap::Rigid::Kind::plane, .gdim = 2, .point = {0.0, 0.2, 0.0}, .direction = {0, 1, 0}};
+  const gap::Rigid floor{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {0, 1, 0}};
+  Square square("linear_elastic");
+  const auto facets = mesh::locate_entities_boundary(*square.mesh, 1, explicit_test::at(1, 0.0));
+  const auto contact = [&](const gap::Rigid& rigid)
+  {
+    return std::make_shared<enforcement::NodePenalty>(*square.V, surface::make_surface(*square.V, facets), rigid,
+                                                      enforcement::NodePenaltyOptions{});
+  };
+  CHECK_THROWS_WITH(problems::ExplicitProblem(square.u, square.v, square.body(), {}, {}, {{contact(deep), "pit"}}),
+                    Catch::Matchers::StartsWith("pit: ") && Catch::Matchers::ContainsSubstring("overlap at the start"));
+  for (std::size_t i = 1; i < square.v->x()->array().size(); i += 2)
+    square.v->x()->mutable_array()[i] = -0.01;
+  problems::ExplicitProblem problem(square.u, square.v, square.body(), {}, {}, {{contact(floor), "floor"}});
+  problem.advance(4.0);
+  const auto forces = problem.history().row(5).subspan(1 + integrators::Energies::size);
+  CHECK(forces[1] > 0.0);
+  const std::span<const double> speeds = problem.velocity()->x()->array();
+  double mean = 0.0;
+  for (std::size_t i = 1; i < speeds.size(); i += 2)
+    mean += speeds[i] / 25.0;
+  CHECK(mean == Approx(0.01).epsilon(0.1));
+}
