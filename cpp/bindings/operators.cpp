@@ -5,6 +5,7 @@
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
 #include "dolfinx_impact/operators/KernelTangent.h"
+#include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
 #include "petsc_objects.h"
@@ -238,4 +239,8 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       { return bindings::take(cell_spectra(matrix, V, coefficients, {masses.data(), masses.size()})); },
       nb::arg("matrix"), nb::arg("V"), nb::arg("coefficients"), nb::arg("masses"), nb::rv_policy::move,
       "Smallest and largest eigenvalue of the lumped mass's inverse times the matrix, norm of the skew part, by cell");
+  m.def(
+      "nodes_of_bodies", [](const dolfinx::fem::FunctionSpace<double>& V, Indices nodes)
+      { return bindings::take(nodes_of_bodies(V, {nodes.data(), nodes.size()})); }, nb::arg("V"), nb::arg("nodes"),
+      nb::rv_policy::move, "Nodes of the bodies that some nodes of any rank belong to, owned and ghosts. Collective");
 }

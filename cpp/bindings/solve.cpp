@@ -13,6 +13,7 @@
 #include "petsc_objects.h"
 #include <algorithm>
 #include <caster_mpi.h>
+#include <nanobind/stl/complex.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 
@@ -70,6 +71,12 @@ void bind_systems(nb::module_& m)
           { new (self) CondensedSystem(K, matrices(extra), symmetric, condensation, bytes(pinned), diagonal); },
           nb::arg("K"), nb::arg("extra"), nb::arg("symmetric"), nb::arg("condensation").none(), nb::arg("pinned"),
           nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>());
+  nb::class_<PerturbedSystem, CondensedSystem>(m, "PerturbedSystem",
+                                               "Symmetric, and unsymmetric matrices that preconditioners leave out")
+      .def(
+          "__init__", [](PerturbedSystem* self, Mat K, nb::list extra, Mask pinned, double diagonal)
+          { new (self) PerturbedSystem(K, matrices(extra), bytes(pinned), diagonal); }, nb::arg("K"), nb::arg("extra"),
+          nb::arg("pinned"), nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>());
   nb::class_<SaddlePointSystem, LinearSystem>(m, "SaddlePointSystem", "Multipliers kept as unknowns")
       .def(
           "__init__", [](SaddlePointSystem* self, Mat K, nb::list extra, SaddlePoint& rows)
@@ -83,7 +90,8 @@ void bind_linear_solver(nb::module_& m)
       .def(nb::init<>())
       .def_rw("largest_direct", &LinearSolverLimits::largest_direct)
       .def_rw("largest_last_resort", &LinearSolverLimits::largest_last_resort)
-      .def_rw("keep_preconditioner", &LinearSolverLimits::keep_preconditioner);
+      .def_rw("keep_preconditioner", &LinearSolverLimits::keep_preconditioner)
+      .def_rw("patience", &LinearSolverLimits::patience);
   nb::class_<LinearSolver>(m, "LinearSolver", "A KSP with options of its own; every solution is checked")
       .def(
           "__init__",
@@ -95,14 +103,16 @@ void bind_linear_solver(nb::module_& m)
           nb::arg("warn"), "Collective")
       .def("solve", &LinearSolver::solve, nb::arg("system"), nb::arg("b"), nb::arg("x"), nb::arg("rtol") = 1e-10,
            "Solve; returns what is wrong, or an empty text. Collective")
-      .def(
+      .def_prop_ro(
           "factors",
-          [](const LinearSolver& self, const LinearSystem& system) -> nb::object
+          [](const LinearSolver& self) -> nb::object
           {
-            Mat factors = self.factors(system);
+            Mat factors = self.factors();
             return factors ? nb::cast(factors, nb::rv_policy::reference) : nb::none();
           },
-          nb::arg("system"), "Factors of the system, if it is the one that was factorised last")
+          "Factors of the system that was factorised last; None if there are none")
+      .def("set_up", &LinearSolver::set_up, nb::arg("system"), "Make the preconditioner of a system now. Collective")
+      .def_prop_ro("null_pivots", &LinearSolver::null_pivots)
       .def("reset", &LinearSolver::reset, "Forget the preconditioner. Collective")
       .def("warn_of_unused", &LinearSolver::warn_of_unused)
       .def("set_near_nullspace", &LinearSolver::set_near_nullspace, nb::arg("A"))
@@ -421,6 +431,22 @@ void bind_eigenvalues(nb::module_& m)
       "lowest_eigenvalues", [](Mat A, Mat B, int count, double shift, double tolerance)
       { return take(lowest_eigenvalues(A, B, count, shift, {.tolerance = tolerance})); }, nb::arg("A"), nb::arg("B"),
       nb::arg("count"), nb::arg("shift"), nb::arg("tolerance"), "Eigenvalues near a shift, ascending. Collective");
+  m.def(
+      "quadratic_eigenpairs",
+      [](Mat K, Mat G, Mat M, int count, double shift, double tolerance, int max_iterations)
+      {
+        nb::list out;
+        const EigenOptions options{.tolerance = tolerance, .max_iterations = max_iterations};
+        for (const QuadraticEigenpair& pair : quadratic_eigenpairs(K, G, M, count, shift, options))
+          out.append(nb::make_tuple(pair.value, nb::cast(pair.real, nb::rv_policy::take_ownership),
+                                    nb::cast(pair.imaginary, nb::rv_policy::take_ownership)));
+        return out;
+      },
+      nb::arg("K"), nb::arg("G"), nb::arg("M"), nb::arg("count"), nb::arg("shift"), nb::arg("tolerance"),
+      nb::arg("max_iterations"),
+      "Solutions of (s^2 M + s G + K) x = 0 nearest to a shift: s, x (two parts). Collective");
+  m.def("num_negative_eigenvalues", &num_negative_eigenvalues, nb::arg("A"),
+        "Negative eigenvalues of a symmetric matrix, counted. Collective");
 }
 } // namespace
 

@@ -91,6 +91,21 @@ Bodies bodies(const dolfinx::fem::FunctionSpace<double>& V)
   return out;
 }
 
+std::vector<std::int32_t> nodes_of_bodies(const dolfinx::fem::FunctionSpace<double>& V,
+                                          std::span<const std::int32_t> nodes)
+{
+  const Bodies all = bodies(V);
+  std::vector<std::int8_t> wanted(all.count, 0);
+  for (std::int32_t node : nodes)
+    wanted[all.number[node]] = 1;
+  MPI_Allreduce(MPI_IN_PLACE, wanted.data(), all.count, MPI_INT8_T, MPI_MAX, V.mesh()->comm());
+  std::vector<std::int32_t> out;
+  for (std::size_t i = 0; i < all.number.size(); ++i)
+    if (wanted[all.number[i]])
+      out.push_back(std::int32_t(i));
+  return out;
+}
+
 RigidBodyModes::RigidBodyModes(const dolfinx::fem::FunctionSpace<double>& V, std::span<const double> u,
                                bool axisymmetric)
     : _comm(V.mesh()->comm()), _gdim(V.mesh()->geometry().dim()), _axisymmetric(axisymmetric),

@@ -20,6 +20,11 @@ struct Bodies
 /// Find the bodies of a space. They are numbered alike on all ranks. Collective.
 Bodies bodies(const dolfinx::fem::FunctionSpace<double>& V);
 
+/// Nodes of the bodies that some nodes of any rank belong to, owned and ghosts, ascending. Collective.
+/// @param[in] nodes of this rank, owned or ghosts
+std::vector<std::int32_t> nodes_of_bodies(const dolfinx::fem::FunctionSpace<double>& V,
+                                          std::span<const std::int32_t> nodes);
+
 /// Linearised rigid motions of all bodies, as fields over positions. Translations have length one; rotations are about
 /// the body's centre and scaled by its size. Modes are numbered body by body, [body*per_body() + k].
 class RigidBodyModes

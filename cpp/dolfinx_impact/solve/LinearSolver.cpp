@@ -342,7 +342,7 @@ std::string LinearSolver::solve(LinearSystem& system, Vec b, Vec x, double rtol)
     check(VecSet(x, 0.0), "a vector is set");
   prepare(system);
   run(system, b, x);
-  while (short_of_work_space())
+  while (reason() < 0 && short_of_work_space())
   {
     check(VecSet(x, 0.0), "a vector is set");
     prepare(system);
@@ -412,7 +412,12 @@ void LinearSolver::choose_method(const char* method)
 
 Mat LinearSolver::factors(const LinearSystem& system) const
 {
-  if (!direct() || !_keeps || _own != system.id())
+  return _own == system.id() ? factors() : nullptr;
+}
+
+Mat LinearSolver::factors() const
+{
+  if (!direct() || !_keeps || !_matrix)
     return nullptr;
   PC pc = nullptr;
   Mat out = nullptr;
@@ -433,8 +438,15 @@ bool LinearSolver::serves(const LinearSystem& system, double rtol)
 {
   if (!_matrix || !_limits.keep_preconditioner)
     return false;
+  if (_own == system.id()) // new factors would be the same
+  {
+    check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT, _max_it), "tolerances are set");
+    return true;
+  }
   const int worth = direct() ? _worth : int(2 * _pace * digits(rtol)) + 10;
-  const int left = direct() ? std::min(worth, 2 * worth - _spent) : worth;
+  int left = direct() ? std::min(worth, 2 * worth - _spent) : worth;
+  if (_limits.patience > 0)
+    left = _limits.patience;
   // Every unknown that was pinned and is not, or the other way round, takes an iteration at least.
   const std::span<const std::int8_t> now = system.pinned();
   std::int64_t differ = now.size() == _pinned.size() ? 0 : left;
@@ -454,21 +466,42 @@ void LinearSolver::judge(double rtol)
   PetscInt iterations = 0;
   check(KSPGetIterationNumber(_ksp, &iterations), "iterations are counted");
   _pace = double(std::max<PetscInt>(iterations, 1)) / digits(rtol);
-  _worth = worth_of_unknown;
-  if (_keeps && uses_mumps())
+  _worth = worth_of_factors();
+}
+
+/// Iterations that cost as much as the present factors did.
+int LinearSolver::worth_of_factors() const
+{
+  if (!_keeps || !uses_mumps())
+    return worth_of_unknown;
+  PC pc = nullptr;
+  Mat F = nullptr;
+  PetscInt told = 0;
+  double operations = 0.0;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCFactorGetMatrix(pc, &F), "factors are asked for");
+  check(MatMumpsGetInfog(F, 29, &told), "MUMPS is asked for the size of its factors");
+  check(MatMumpsGetRinfog(F, 3, &operations), "MUMPS is asked for its operations");
+  const double entries = told > 0 ? double(told) : -1e6 * double(told); // large numbers are told in millions
+  const double worth = operations / (4.0 * entries) / blocked;
+  return std::isfinite(worth) ? int(worth) : 0;
+}
+
+void LinearSolver::set_up(LinearSystem& system)
+{
+  choose_method(system.symmetric() ? KSPCG : KSPGMRES);
+  do
   {
-    PC pc = nullptr;
-    Mat F = nullptr;
-    PetscInt told = 0;
-    double operations = 0.0;
-    check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
-    check(PCFactorGetMatrix(pc, &F), "factors are asked for");
-    check(MatMumpsGetInfog(F, 29, &told), "MUMPS is asked for the size of its factors");
-    check(MatMumpsGetRinfog(F, 3, &operations), "MUMPS is asked for its operations");
-    const double entries = told > 0 ? double(told) : -1e6 * double(told); // large numbers are told in millions
-    const double worth = operations / (4.0 * entries) / blocked;
-    _worth = std::isfinite(worth) ? int(worth) : 0;
-  }
+    prepare(system);
+    set_operators(system);
+    check(KSPSetUp(_ksp), "a preconditioner is made");
+  } while (short_of_work_space());
+  PC pc = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCSetReusePreconditioner(pc, PETSC_TRUE), "a preconditioner is kept");
+  _spent = 0;
+  if (direct())
+    _worth = worth_of_factors();
 }
 
 /// Preconditioner of the present system. Collective.
@@ -490,7 +523,7 @@ void LinearSolver::prepare(LinearSystem& system)
 /// indefinite matrices do that. Collective.
 bool LinearSolver::short_of_work_space()
 {
-  if (reason() >= 0 || !uses_mumps())
+  if (!uses_mumps())
     return false;
   const std::string key = "mat_mumps_icntl_14";
   PetscInt given = 20, status = 0;
@@ -522,15 +555,15 @@ PetscErrorCode LinearSolver::multiply(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-/// Solve with the present preconditioner. Collective.
-void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
+/// Products with a system, preconditioned by the present matrix. Collective.
+void LinearSolver::set_operators(LinearSystem& system)
 {
-  PC pc = nullptr;
-  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
   if (!_operator)
   {
+    PC pc = nullptr;
     PetscInt size = 0;
-    check(VecGetLocalSize(x, &size), "a vector is asked for its size");
+    check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+    check(MatGetLocalSize(_matrix, &size, nullptr), "a matrix is asked for its size");
     check(MatCreateShell(_comm, size, size, PETSC_DETERMINE, PETSC_DETERMINE, _product.get(), &_operator),
           "an operator is made");
     check(MatShellSetOperation(_operator, MATOP_MULT, reinterpret_cast<void (*)()>(&LinearSolver::multiply)),
@@ -539,6 +572,14 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
   }
   _product->system = &system;
   check(KSPSetOperators(_ksp, _operator, _matrix), "operators are set");
+}
+
+/// Solve with the present preconditioner. Collective.
+void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
+{
+  PC pc = nullptr;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  set_operators(system);
   check(KSPSolve(_ksp, b, x), "a linear system is solved");
   check(PCSetReusePreconditioner(pc, PETSC_TRUE), "a preconditioner is kept");
   PetscInt iterations = 0;
@@ -546,22 +587,26 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
   _num_iterations += int(iterations);
 }
 
+int LinearSolver::null_pivots() const
+{
+  if (!_matrix || !uses_mumps())
+    return 0;
+  PC pc = nullptr;
+  Mat F = nullptr;
+  PetscInt out = 0;
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PCFactorGetMatrix(pc, &F), "factors are asked for");
+  check(MatMumpsGetInfog(F, 28, &out), "MUMPS is asked for pivots");
+  return int(out);
+}
+
 /// What is wrong with a solution; empty if nothing is. Collective.
 std::string LinearSolver::fault(LinearSystem& system, Vec b, Vec x) const
 {
   if (reason() < 0)
     return "PETSc reason " + std::to_string(reason());
-  if (uses_mumps())
-  {
-    PC pc = nullptr;
-    Mat F = nullptr;
-    PetscInt null_pivots = 0;
-    check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
-    check(PCFactorGetMatrix(pc, &F), "factors are asked for");
-    check(MatMumpsGetInfog(F, 28, &null_pivots), "MUMPS is asked for pivots");
-    if (null_pivots > 0)
-      return std::to_string(null_pivots) + " pivots vanish";
-  }
+  if (const int vanishing = null_pivots(); vanishing > 0)
+    return std::to_string(vanishing) + " pivots vanish";
   const double error = residual_norm(system, b, x), right = norm_of(b); // not the solver's own word for it
   // Far from any solver's tolerance: a nearly singular matrix, whose solution is round-off.
   if (error <= 2e-2 * right)

@@ -23,6 +23,9 @@ struct LinearSolverLimits
   std::array<std::int64_t, 4> largest_last_resort{0, 4'000'000, 4'000'000, 400'000};
   /// Factors and hierarchies serve later systems as long as they need few iterations.
   bool keep_preconditioner = true;
+  /// Iterations that factors of an earlier system may take for a solution; 0: as many as cost as much as new ones. For
+  /// systems whose factors are not their own, and factors that more than solutions are made of.
+  int patience = 0;
 };
 
 /// A KSP of PETSc with options of its own: chosen by size, its factors (or multigrid hierarchy) kept while they serve,
@@ -54,8 +57,14 @@ public:
   /// @param[in] rtol of the residual, for tolerances that the options do not set [1]
   /// @returns what is wrong with the solution; empty if nothing is
   std::string solve(LinearSystem& system, Vec b, Vec x, double rtol = 1e-10);
+  /// Make the preconditioner of a system now: the next solution does not look for an earlier one. Collective.
+  void set_up(LinearSystem& system);
+  /// Factors of the system that was factorised last; null if there are none.
+  Mat factors() const;
   /// Factors of a system, if it is the one that was factorised last; else null.
   Mat factors(const LinearSystem& system) const;
+  /// Pivots of these factors that are round-off: motions that nothing resists. Zero if the solver does not count them.
+  int null_pivots() const;
   /// Forget the preconditioner and give back its memory: the next solution does not depend on earlier systems.
   /// Collective.
   void reset();
@@ -86,7 +95,9 @@ private:
   bool solved(LinearSystem& system, Vec b, Vec x, double rtol) const;
   bool serves(const LinearSystem& system, double rtol);
   void judge(double rtol);
+  int worth_of_factors() const;
   void prepare(LinearSystem& system);
+  void set_operators(LinearSystem& system);
   bool short_of_work_space();
   void run(LinearSystem& system, Vec b, Vec x);
   std::string fault(LinearSystem& system, Vec b, Vec x) const;

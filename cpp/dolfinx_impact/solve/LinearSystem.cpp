@@ -152,6 +152,21 @@ Mat CondensedSystem::assemble()
   return A;
 }
 
+// --- perturbed ------------------------------------------------------------------------------------------------------
+
+PerturbedSystem::PerturbedSystem(Mat K, std::span<const Mat> extra, std::vector<std::int8_t> pinned, double diagonal)
+    : CondensedSystem(K, extra, false, nullptr, std::move(pinned), diagonal)
+{
+}
+
+Mat PerturbedSystem::assemble()
+{
+  CondensedSystem bare(K(), {}, true, nullptr, {pinned().begin(), pinned().end()}, diagonal());
+  Mat A = bare.assemble();
+  check(MatSetOption(A, MAT_SYMMETRIC, PETSC_TRUE), "a matrix is marked as symmetric");
+  return A;
+}
+
 // --- saddle point ---------------------------------------------------------------------------------------------------
 
 SaddlePointSystem::SaddlePointSystem(Mat K, std::span<const Mat> extra, enforcement::SaddlePoint& rows)

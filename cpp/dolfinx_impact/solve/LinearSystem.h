@@ -72,6 +72,9 @@ public:
   bool symmetric() const override { return _symmetric; }
   enforcement::Condensation* condensation() { return _condensation; }
 
+protected:
+  double diagonal() const { return _diagonal; }
+
 private:
   void multiply_stiffness(Vec x, Vec y) const;
 
@@ -81,6 +84,20 @@ private:
   std::vector<PetscInt> _pinned_rows; ///< local
   double _diagonal;
   Vec _free = nullptr, _moved = nullptr, _force = nullptr; ///< work
+};
+
+/// A symmetric K, and unsymmetric matrices that are small beside it: A = Q (K + sum of extra) Q + d (1 - Q), without
+/// multipliers. Preconditioners are made of K alone: Cholesky's factors are half as large, serve other extra matrices,
+/// and tell which bodies nothing holds but these.
+class PerturbedSystem : public CondensedSystem
+{
+public:
+  /// @param[in] pinned mask over owned degrees of freedom
+  /// @param[in] diagonal d, an entry of K's size [F/L]
+  PerturbedSystem(Mat K, std::span<const Mat> extra, std::vector<std::int8_t> pinned, double diagonal);
+
+  /// Q K Q + d (1 - Q), marked as symmetric; the caller's to destroy.
+  Mat assemble() override;
 };
 
 /// Multipliers kept as unknowns behind each rank's displacements.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <complex>
 #include <optional>
 #include <petscmat.h>
 #include <petscvec.h>
@@ -36,4 +37,22 @@ std::optional<std::pair<double, Vec>> largest_eigenvalue(Mat A, Mat B = nullptr,
 /// @param[in] shift the number
 /// @throws std::runtime_error fewer were found, or DOLFINx was built without SLEPc
 std::vector<double> lowest_eigenvalues(Mat A, Mat B, int count, double shift, EigenOptions options = {});
+
+/// A solution of (s^2 M + s G + K) x = 0.
+struct QuadraticEigenpair
+{
+  std::complex<double> value;
+  Vec real, imaginary; ///< parts of the vector, the caller's to destroy
+};
+
+/// Solutions of (s^2 M + s G + K) x = 0 whose s are nearest to a number, by the two-level orthogonal Arnoldi method
+/// with shift and invert; as many as converged. Collective.
+/// @param[in] count number that is wanted
+/// @param[in] shift the number
+/// @throws std::runtime_error DOLFINx was built without SLEPc
+std::vector<QuadraticEigenpair> quadratic_eigenpairs(Mat K, Mat G, Mat M, int count, double shift,
+                                                     EigenOptions options = {});
+
+/// Number of negative eigenvalues of a symmetric matrix, by the inertia of its factors (Sylvester's law). Collective.
+int num_negative_eigenvalues(Mat A);
 } // namespace dolfinx_impact::solve

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from dolfinx import default_scalar_type, fem
 
+from .. import _cpp
 from ..amplitude import PrescribedMotion
 from ..common.types import BoolArray, FloatArray
 from ..contact.pair import ContactPair
@@ -155,7 +156,8 @@ def make(
     if not rolling.contact:
         return problem
     steady = rolling.contact[0]
-    start = SpringStart(steady, rolling.connected_nodes(problem.contact[0].nodes), problem)
+    nodes = _cpp.operators.nodes_of_bodies(rolling.u.function_space._cpp_object, problem.contact[0].nodes)
+    start = SpringStart(steady, nodes, problem)
     moved = fem.Function(u.function_space, name=u.name)
     moved.x.array[:] = start.moved(u.x.array, start.approach())
     problem = build(moved)

@@ -7,13 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy
-from dolfinx import fem
 from mpi4py import MPI
 
+from .. import _cpp
 from ..assembly import problem_arguments
 from ..common.types import BoolArray, FloatArray, IntArray
-from ..contact.nodal_sum import NodalSum
 from ..contact.penalty.penalty import Penalty
 from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem
@@ -48,29 +46,6 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
         pairs = [(p.slave, p.master) for p in (new.pair, old.pair)]
         if pairs[0] != pairs[1]:
             raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")
-
-
-def connected_nodes(V: fem.FunctionSpace, nodes: IntArray) -> IntArray:
-    """Nodes of the bodies that some nodes belong to, over all ranks, owned and ghosts. Collective.
-
-    Args:
-        V: displacement space.
-        nodes: nodes of this rank.
-    """
-    mesh, index_map = V.mesh, V.dofmap.index_map
-    cells_map, total = mesh.topology.index_map(mesh.topology.dim), NodalSum(index_map, 1)
-    cells = V.dofmap.list[: cells_map.size_local + cells_map.num_ghosts]
-    pairs = np.repeat(cells[:, :1], cells.shape[1] - 1, axis=1).ravel(), cells[:, 1:].ravel()
-    graph = scipy.sparse.coo_matrix((np.ones(len(pairs[0])), pairs), shape=(total.num_nodes, total.num_nodes))
-    body = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-    reached: FloatArray = np.zeros(total.num_nodes)
-    reached[nodes] = 1.0
-    while True:
-        before = np.count_nonzero(reached)
-        here = np.isin(body, body[reached > 0.0]).astype(np.float64)
-        reached = np.asarray(total(here).ravel() > 0.0, dtype=np.float64)
-        if not mesh.comm.allreduce(int(np.count_nonzero(reached) != before), MPI.SUM):
-            return np.flatnonzero(reached).astype(np.int32)
 
 
 def free_directions(problem: StartedProblem, nodes: IntArray) -> BoolArray:
@@ -110,7 +85,7 @@ def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict
     bodies = {}
     for k in bearing:
         slave, _ = static.contact[k].pair.surfaces(V)
-        nodes = connected_nodes(V, np.unique(slave.nodes))
+        nodes = _cpp.operators.nodes_of_bodies(V._cpp_object, np.unique(slave.nodes))
         start = SpringStart(static.contact[k], nodes, problem, free_directions(problem, nodes), k)
         u.x.array[:] = start.moved(u.x.array, start.approach())
         bodies[k] = start

@@ -8,13 +8,19 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
-from ..common.types import FloatArray, IntArray
+from .. import _cpp
+from ..common.types import BoolArray, FloatArray
+from ..statics.linear_solver import LinearSolver
 from .contact_operators import Candidates, ContactOperators
 
 BLOCK = 96  # right sides that are solved together
 PATIENCE = 12  # iterations with factors of an earlier matrix before new ones are made
+PREFIX = "impact_bodies_"
+# K is symmetric; the directions of contact forces are found to round-off.
+OPTIONS = {"pc_type": "cholesky", "mat_mumps_icntl_14": 50, "ksp_rtol": 1e-13, "ksp_max_it": 200}
 
 
 @dataclass
@@ -37,71 +43,37 @@ class BodyResponse:
     normals adds.
 
     Args:
-        fixed: prescribed dofs among the owned ones.
-
-    Attributes:
-        seconds: time spent.
+        V: displacement space.
+        fixed: mask of prescribed dofs, owned.
     """
 
-    def __init__(self, fixed: IntArray) -> None:
-        self._fixed = fixed
-        self._ksp: PETSc.KSP | None = None
-        self._K: PETSc.Mat | None = None
-        self._bare: PETSc.Mat | None = None
-        self._extra: list[PETSc.Mat] = []
-        self._factored: PETSc.Mat | None = None
-        self._iterations = 0
-        self.new_factors = False
+    def __init__(self, V: FunctionSpace, fixed: BoolArray) -> None:
+        self._fixed, self._pinned = np.flatnonzero(fixed), np.ascontiguousarray(fixed, dtype=np.int8)
+        limits = _cpp.solve.LinearSolverLimits()
+        limits.patience = PATIENCE
+        self._solver = LinearSolver(V, OPTIONS, PREFIX, limits=limits)
+        self._system: _cpp.solve.PerturbedSystem | None = None
 
     def update(self, K: PETSc.Mat, extra: Sequence[PETSc.Mat | None]) -> None:
-        """Take another matrix. Collective.
+        """Take another matrix, which stays as it is until the next one. Collective.
 
         Args:
             K: tangent of the bodies, symmetric [F/L].
             extra: matrices that are added to it, or None.
         """
-        self._bare, self._extra = K, [E for E in extra if E is not None]
-        total = K.copy()
-        for E in self._extra:
-            total.axpy(1.0, E, PETSc.Mat.Structure.DIFFERENT_NONZERO_PATTERN)
-        self._hold(total)
-        if self._K is not None:
-            self._K.destroy()
-        self._K = total
-        if self._ksp is None or self._iterations > PATIENCE:
-            self._factorise(K)
-        assert self._ksp is not None and self._factored is not None
-        self._ksp.setOperators(total, self._factored)
+        self._system = _cpp.solve.PerturbedSystem(K, [E for E in extra if E is not None], self._pinned, 1.0)
+        if self._solver.factors is None:
+            self._solver.set_up(self._system)
 
-    def _hold(self, A: PETSc.Mat) -> None:
-        A.zeroRowsColumns((A.getOwnershipRange()[0] + self._fixed).astype(PETSc.IntType), 1.0)
-
-    def _factorise(self, K: PETSc.Mat) -> None:
-        self.destroy_factors()
-        A = K.copy()
-        self._hold(A)
-        A.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-        ksp = PETSc.KSP().create(A.getComm())
-        ksp.setType("gmres")
-        ksp.setOperators(A, A)
-        pc = ksp.getPC()
-        pc.setType("cholesky")
-        pc.setFactorSolverType("mumps")
-        pc.setReusePreconditioner(True)
-        pc.setFactorSetUpSolverType()
-        factors = pc.getFactorMatrix()
-        factors.setMumpsIcntl(24, 1)  # counts null pivots
-        factors.setMumpsIcntl(14, 50)
-        factors.setMumpsCntl(3, 1e-14)
-        ksp.setTolerances(rtol=1e-13, max_it=200)
-        pc.setUp()
-        self._ksp, self._factored, self._iterations, self.new_factors = ksp, A, 0, True
+    @property
+    def num_factors(self) -> int:
+        """How many times factors were made so far."""
+        return self._solver.num_set_ups
 
     @property
     def null_pivots(self) -> int:
         """Motions of the bodies that nothing holds but contact."""
-        assert self._ksp is not None
-        return int(self._ksp.getPC().getFactorMatrix().getMumpsInfog(28))
+        return self._solver.null_pivots
 
     def solve(self, load: FloatArray, jump: FloatArray | None = None) -> tuple[FloatArray, str | None]:
         """Displacements under a load. Collective.
@@ -113,24 +85,16 @@ class BodyResponse:
         Returns:
             Displacements, owned dofs [L]; what is wrong with them, or None.
         """
-        assert self._ksp is not None and self._bare is not None
-        b, x = self._bare.createVecRight(), self._bare.createVecRight()
-        b.array[:] = load
+        assert self._system is not None
+        b, x = self._system.create_vector(), self._system.create_vector()
         if jump is not None:
             x.array[self._fixed] = jump
-            for matrix in (self._bare, *self._extra):
-                y = matrix.createVecLeft()
-                matrix.mult(x, y)
-                b.axpy(-1.0, y)
-                y.destroy()
-            x.set(0.0)
-        b.array[self._fixed] = 0.0 if jump is None else jump
-        self._ksp.solve(b, x)
-        self._iterations = max(self._iterations, self._ksp.getIterationNumber())
-        reason, out = self._ksp.getConvergedReason(), x.array_r.copy()
+        self._system.load(-load, x, b)
+        fault = self._solver.solve(self._system, b, x)
+        out: FloatArray = self._system.displacements(x)
         b.destroy()
         x.destroy()
-        return out, None if reason > 0 else f"PETSc reason {reason}"
+        return out, fault
 
     def compliance(self, operators: ContactOperators, candidates: Candidates) -> Compliance | None:
         """Jumps and velocities that unit forces at the candidates cause, on rank 0; None on others. Collective.
@@ -141,10 +105,10 @@ class BodyResponse:
             operators: of the contacts.
             candidates: nodes.
         """
-        assert self._ksp is not None and self._bare is not None
-        factors, comm = self._ksp.getPC().getFactorMatrix(), self._bare.getComm().tompi4py()
+        factors, comm = self._solver.factors, operators.forces.getComm().tompi4py()
+        assert factors is not None
         starts, cols, values = operators.forces.getValuesCSR()
-        num, total = self._bare.getLocalSize()[0], operators.forces.getSize()[1]
+        num, total = len(self._pinned), operators.forces.getSize()[1]
         B = scipy.sparse.csr_matrix((values, cols, starts), shape=(num, total)).tocsc()
         wanted = operators.columns(candidates)
         n, gdim = candidates.count, operators.gdim
@@ -175,19 +139,9 @@ class BodyResponse:
         shape = (n, gdim, n, gdim)
         return Compliance(*(np.concatenate(part, axis=2).reshape(shape) for part in (jumps, velocities)))
 
-    def destroy_factors(self) -> None:
-        """Give back the memory. Collective."""
-        for thing in (self._ksp, self._factored):
-            if thing is not None:
-                thing.destroy()
-        self._ksp = self._factored = None
-
-    def destroy(self) -> None:
-        """Give back the memory. Collective."""
-        self.destroy_factors()
-        if self._K is not None:
-            self._K.destroy()
-            self._K = None
+    def forget_factors(self) -> None:
+        """Factors are made anew, when they are used next. Collective."""
+        self._solver.reset()
 
 
 def _relative(c: object, matrix: PETSc.Mat, columns: FloatArray, gdim: int) -> FloatArray:

@@ -12,7 +12,7 @@ from dolfinx import fem
 from dolfinx.mesh import MeshTags
 
 from ..assembly import operators
-from ..common.types import BoolArray, FloatArray, IntArray
+from ..common.types import FloatArray, IntArray
 from ..forms import ale
 from ..inelastic import InelasticMaterial
 from ..materials import Material
@@ -88,24 +88,6 @@ class Flow:
         """
         parts = [nodes for tag, nodes in self._nodes.items() if self._motions[tag] is motion]
         return np.unique(np.concatenate(parts))
-
-    def connected_nodes(self, nodes: IntArray) -> IntArray:
-        """Nodes of all cell tags that are connected with those of some nodes, owned and ghosts. Collective.
-
-        Args:
-            nodes: nodes of this rank.
-        """
-        marked: BoolArray = np.zeros(len(self._places), dtype=bool)
-        marked[nodes] = True
-        found: set[int] = set()
-        while True:
-            touched = {tag for tag, own in self._nodes.items() if np.any(marked[own])}
-            everywhere = set().union(*self._comm.allgather(touched))
-            if everywhere == found:
-                return np.flatnonzero(marked)
-            found = everywhere
-            for tag in found:
-                marked[self._nodes[tag]] = True
 
     def settle(self) -> None:
         """The present rates are those that the last solve has reached."""

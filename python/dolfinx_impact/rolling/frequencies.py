@@ -6,10 +6,12 @@ from __future__ import annotations
 import numpy as np
 from petsc4py import PETSc
 
+from .. import _cpp
 from ..common.types import FloatArray
 
 SHIFT = 1e-3  # of the mesh's frequency: keeps the factorised matrix regular where rigid motions are free
 GROWTH = 1e-6  # real part over the largest modulus found, at which a mode grows
+MAX_RESTARTS = 500  # of the eigensolver
 RIGID_MOTIONS = 6  # of a body in space
 ROUND_OFF = 5e-8  # of the mesh's frequency: a few times the square root of the unit of round-off
 RIGID = 10.0  # moduli below this many times the larger of the last two belong to rigid motions
@@ -40,45 +42,24 @@ def solve(
     Raises:
         RuntimeError: the solver found fewer than asked for.
     """
-    from slepc4py import SLEPc
-
     diagonals = [A.getDiagonal() for A in (K, M)]
     highest = float(np.sqrt(diagonals[0].sum() / diagonals[1].sum()))
     shift = SHIFT * highest
     for d in diagonals:
         d.destroy()
-    pep = SLEPc.PEP().create(K.getComm())
-    pep.setOperators([K, G, M])
-    pep.setProblemType(SLEPc.PEP.ProblemType.GENERAL)
-    pep.setType(SLEPc.PEP.Type.TOAR)
-    pep.setScale(SLEPc.PEP.Scale.SCALAR)
-    if np.any(np.diff(K.getOwnershipRanges()) == 0):
-        # SLEPc 3.22 scales the vectors of its default type by LAPACK, which refuses a rank that owns no rows.
-        pep.getBV().setType(SLEPc.BV.Type.VECS)
-    pep.setDimensions(2 * count + 2 * RIGID_MOTIONS)  # a body that nothing holds has the rigid motions first
-    pep.setTolerances(tolerance, 500)
-    pep.setTarget(shift)
-    pep.setWhichEigenpairs(SLEPc.PEP.Which.TARGET_MAGNITUDE)
-    st = pep.getST()
-    st.setType(SLEPc.ST.Type.SINVERT)
-    ksp = st.getKSP()
-    ksp.setType("preonly")
-    ksp.getPC().setType("lu")
-    ksp.getPC().setFactorSolverType("mumps")
-    pep.solve()
-    real, imaginary, product = K.createVecRight(), K.createVecRight(), K.createVecRight()
-    values = [pep.getEigenpair(i, real, imaginary) for i in range(pep.getConverged())]
+    # A body that nothing holds has the rigid motions first.
+    pairs = _cpp.solve.quadratic_eigenpairs(K, G, M, 2 * count + 2 * RIGID_MOTIONS, shift, tolerance, MAX_RESTARTS)
+    product = K.createVecRight()
     # Free rigid motions have s = 0 as a double root, which round-off splits into a pair of any phase.
-    small = max(GROWTH * max((abs(s) for s in values), default=0.0), ROUND_OFF * highest)
+    small = max(GROWTH * max((abs(s) for s, *_ in pairs), default=0.0), ROUND_OFF * highest)
     found: list[float] = []
     growing = 0
-    for i, s in enumerate(values):
+    for s, real, imaginary in pairs:
         if abs(s.real) > small:
             growing += s.real > 0
             continue
         if s.imag < RIGID * small:
             continue  # a rigid motion, or the conjugate of a mode, which is the same motion
-        pep.getEigenpair(i, real, imaginary)
         # Imaginary part of x^H D x, where D is real and x = a + i b: a.D b - b.D a.
         along.mult(imaginary, product)
         twist = product.dot(real)
@@ -89,7 +70,7 @@ def solve(
             M.mult(part, product)
             size += product.dot(part)
         found.append(-s.imag if twist > least * size else s.imag)
-    for thing in (real, imaginary, product, pep):
+    for thing in (product, *(part for _, *parts in pairs for part in parts)):
         thing.destroy()
     if len(found) < count:
         raise RuntimeError(f"the eigensolver found {len(found)} of {count} frequencies ({growing} modes grow)")

@@ -28,6 +28,7 @@ from ..foundation import foundations
 from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..common.interrupts import Interrupts
+from ..statics.linear_solver import LinearSolver
 from ..statics.load_steps import run_steps
 from ..statics.problem import Report, StaticProblem
 from . import frequencies, inputs, revolution, stability, sweep
@@ -49,6 +50,8 @@ if TYPE_CHECKING:
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
+# Of the projection of velocities: systems of a mass matrix.
+PROJECTION = {"ksp_type": "cg", "pc_type": "jacobi", "ksp_rtol": 1e-13, "ksp_max_it": 2000}
 AHEAD = 1.1  # of the rates: so far beyond them a linear body's critical speed is looked for
 
 
@@ -108,7 +111,6 @@ class RollingProblem(Unique):
             ranks.same(**given, motions=dict(motions), options=options, prefix=prefix)
         self.u, self.motions = u, {int(tag): motion for tag, motion in motions.items()}
         self.material, self.cell_tags, self.bcs, self.loads = material, cell_tags, tuple(bcs), tuple(loads)
-        mesh = u.function_space.mesh
         self._check_tags(cell_tags)
         for tag, motion in self.motions.items():
             if isinstance(motion, Spin):
@@ -129,7 +131,7 @@ class RollingProblem(Unique):
         self._reduced: ReducedContacts | None = None
         if self._rubs:
             p = self._equilibrium
-            self._reduced = ReducedContacts(mesh.comm, np.flatnonzero(p.fixed[: p.num_owned]))
+            self._reduced = ReducedContacts(p.space, p.fixed[: p.num_owned])
         if self._spin is not None:
             self._torque = self._torque_on(self._spin)
 
@@ -208,15 +210,6 @@ class RollingProblem(Unique):
             motion: one of the motions.
         """
         return self._flow.nodes_of(motion)
-
-    def connected_nodes(self, nodes: IntArray) -> IntArray:
-        """Nodes of the body that some nodes belong to: of all cell tags that share nodes with theirs, owned and ghosts.
-        Collective.
-
-        Args:
-            nodes: nodes of this rank.
-        """
-        return self._flow.connected_nodes(nodes)
 
     def _first_spin(self) -> Spin:
         if self._spin is None:
@@ -531,17 +524,13 @@ class RollingProblem(Unique):
         b = petsc.assemble_vector(ffcx_form(self._flow.momentum(self.u, v)))
         b.ghostUpdate(PETSc.InsertMode.ADD_VALUES, PETSc.ScatterMode.REVERSE)
         found = fem.Function(p.space, name="velocity")
-        ksp = PETSc.KSP().create(mass.getComm())
-        ksp.setOperators(mass)
-        ksp.setType("cg")
-        ksp.getPC().setType("jacobi")
-        ksp.setTolerances(rtol=1e-13, max_it=2000)
-        ksp.solve(b, found.x.petsc_vec)
-        reason = ksp.getConvergedReason()
-        for thing in (ksp, mass, b):
-            thing.destroy()
-        if reason < 0:
-            raise RuntimeError(f"the velocity was not found: PETSc reason {reason}")
+        system = _cpp.solve.CondensedSystem(mass, [], True, None, np.zeros(p.num_owned, dtype=np.int8), 1.0)
+        fault = LinearSolver(p.space, PROJECTION, "impact_velocity_").solve(system, b, found.x.petsc_vec)
+        del system
+        mass.destroy()
+        b.destroy()
+        if fault:
+            raise RuntimeError(f"the velocity was not found: {fault}")
         found.x.scatter_forward()
         return found
 

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
-from ..common.types import BoolArray, FloatArray, IntArray
+from ..common.types import BoolArray, FloatArray
 from .body_response import BodyResponse, Compliance
 from .contact_operators import Candidates, ContactOperators
 from .friction_problem import FrictionProblem, Nodes, State
@@ -24,23 +25,23 @@ class ReducedContacts:
     The compliance may be that of an earlier geometry: who uses it corrects what it leaves.
 
     Args:
-        comm: communicator.
-        fixed: prescribed dofs among the owned ones.
+        V: displacement space.
+        fixed: mask of prescribed dofs, owned.
 
     Attributes:
         response: of the bodies.
     """
 
-    def __init__(self, comm: MPI.Intracomm, fixed: IntArray) -> None:
-        self._comm, self.response = comm, BodyResponse(fixed)
+    def __init__(self, V: FunctionSpace, fixed: BoolArray) -> None:
+        self._comm, self.response = V.mesh.comm, BodyResponse(V, fixed)
         self._chosen: list[BoolArray] = []
         self._candidates: Candidates | None = None
         self._compliance: Compliance | None = None
-        self._flow = 0.0
+        self._flow, self._factors = 0.0, 0
 
     def renew(self) -> None:
         """Make factors and compliance again, when they are used next."""
-        self.response.destroy_factors()
+        self.response.forget_factors()
 
     def forces(
         self,
@@ -83,10 +84,10 @@ class ReducedContacts:
         """Candidates and their compliance. Collective."""
         flow = self._comm.allreduce(sum(c.speed() for c in operators.contacts), MPI.MAX)
         new = [bool(np.any(a & ~b)) for a, b in zip(near, self._chosen)] if self._chosen else [True]
-        stale = self.response.new_factors or abs(flow - self._flow) > OTHER_FLOW * self._flow
+        stale = self.response.num_factors != self._factors or abs(flow - self._flow) > OTHER_FLOW * self._flow
         if self._comm.allreduce(any(new) or stale, MPI.LOR) or self._candidates is None:
             self._chosen = [a | b for a, b in zip(near, self._chosen or near)]
             self._candidates = Candidates(self._comm, self._chosen)
             self._compliance = self.response.compliance(operators, self._candidates)
-            self.response.new_factors, self._flow = False, flow
+            self._factors, self._flow = self.response.num_factors, flow
         return self._candidates

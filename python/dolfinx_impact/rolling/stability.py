@@ -72,17 +72,6 @@ def negative_directions(problem: StaticProblem) -> int:
         The number [1].
     """
     K = held_tangent(problem)
-    K.setOption(PETSc.Mat.Option.SYMMETRIC, True)
-    pc = PETSc.PC().create(K.getComm())
-    pc.setOperators(K)
-    pc.setType("cholesky")
-    pc.setFactorSolverType("mumps")
-    pc.setFactorSetUpSolverType()
-    # A root of its own in ScaLAPACK does not count pivots: MUMPS then factorises it on one process.
-    pc.getFactorMatrix().setMumpsIcntl(13, 1)
-    pc.getFactorMatrix().setMumpsIcntl(24, 1)  # PETSc's getInertia asks for the detection of null pivots
-    pc.setUp()
-    negative = int(pc.getFactorMatrix().getInertia()[0])
-    pc.destroy()
+    negative: int = _cpp.solve.num_negative_eigenvalues(K)
     K.destroy()
     return negative

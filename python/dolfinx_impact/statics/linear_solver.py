@@ -28,18 +28,24 @@ class LinearSolver(Described):
         prefix: what the command line says of it goes first; a number is added to it, so that the options of one
             problem are not those of the next.
         indefinite: the systems are saddle points: a direct solver is the default at any size.
+        limits: which systems are factorised, and how long factors are kept.
 
     Raises:
         ValueError: options that PETSc does not take, or that choose an iterative solver for saddle points.
     """
 
     def __init__(
-        self, V: FunctionSpace, options: Mapping[str, Any] | None, prefix: str, indefinite: bool = False
+        self,
+        V: FunctionSpace,
+        options: Mapping[str, Any] | None,
+        prefix: str,
+        indefinite: bool = False,
+        limits: _cpp.solve.LinearSolverLimits = LIMITS,
     ) -> None:
         free_garbage(V.mesh.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
         given = {key: _as_text(value) for key, value in (options or {}).items()}
         warn = partial(_warn, V.mesh.comm.rank)
-        self._cpp_object = _cpp.solve.LinearSolver(V._cpp_object, given, prefix, indefinite, LIMITS, warn)
+        self._cpp_object = _cpp.solve.LinearSolver(V._cpp_object, given, prefix, indefinite, limits, warn)
 
     @property
     def ksp(self) -> PETSc.KSP:
@@ -65,6 +71,24 @@ class LinearSolver(Described):
     def num_iterations(self) -> int:
         """Number of iterations of all solutions."""
         return self._cpp_object.num_iterations
+
+    @property
+    def factors(self) -> PETSc.Mat | None:
+        """Factors of the system that was factorised last; None if there are none."""
+        return self._cpp_object.factors
+
+    @property
+    def null_pivots(self) -> int:
+        """Number of pivots of these factors that are round-off: motions that nothing resists."""
+        return self._cpp_object.null_pivots
+
+    def set_up(self, system: _cpp.solve.LinearSystem) -> None:
+        """Make the preconditioner of a system now: the next solution does not look for an earlier one. Collective.
+
+        Args:
+            system: the system.
+        """
+        self._cpp_object.set_up(system)
 
     def reset(self) -> None:
         """Forget the preconditioner and give back its memory: the next solution does not depend on earlier systems.

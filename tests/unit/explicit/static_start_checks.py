@@ -9,8 +9,7 @@ from mpi4py import MPI
 from over_ranks import largest
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
-from dolfinx_impact.dynamics.static_start import connected_nodes
+from dolfinx_impact import _cpp, meshes
 
 COMM = MPI.COMM_WORLD
 PRESSURE = 90.0
@@ -93,7 +92,7 @@ def check_connected_nodes():
     """The body of a surface, of all ranks."""
     static, *_ = blocks(1e9)
     V = static.u.function_space
-    found = connected_nodes(V, static.contact[0].nodes)
+    found = _cpp.operators.nodes_of_bodies(V._cpp_object, static.contact[0].nodes)
     places = V.tabulate_dof_coordinates()
     assert np.array_equal(np.sort(found), np.flatnonzero(upper_nodes(V))), places[found]
 
