@@ -266,7 +266,7 @@ TEST_CASE("bodies that overlap their obstacle at the start are refused; others a
 
 TEST_CASE("a run goes on from a state that was saved as it went on before, in the same problem and in another one")
 {
-  Square one("neo_hooke", 0.1), two("neo_hooke", 0.1);
+  Square one("neo_hookean", 0.1), two("neo_hookean", 0.1);
   problems::ExplicitProblem problem(one.u, one.v, one.body()), other(two.u, two.v, two.body());
   const double step = problem.stable_step();
   problem.advance(10.0 * step);
