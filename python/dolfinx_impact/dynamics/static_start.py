@@ -13,7 +13,6 @@ from mpi4py import MPI
 from .. import _cpp
 from ..assembly import problem_arguments
 from ..common.types import BoolArray, FloatArray, IntArray
-from ..contact.nodal_sum import NodalSum
 from ..contact.penalty.penalty import Penalty
 from ..statics.problem import StaticProblem
 from .spring_start import SpringStart
