@@ -65,8 +65,8 @@ def body_rows(cases: Sequence[bench.Case] = CASES, law: bench.MaterialClass = ma
             ("residual", [bench.best_time(body.in_cpp().residual)[1] for body in (ours, theirs)]),
             ("tangent", [bench.best_time(body.tangent.assemble)[1] for body in (ours, theirs)]),
         ):
-            rates = [setup.num_cells / seconds * 1e-6 for seconds in times]
-            rows.append(row(f"{name} {what} of a body / FFCx", label, 1, rates[0], "million cells/s", rates[1]))
+            rates = [setup.num_cells / seconds * 1e-3 for seconds in times]
+            rows.append(row(f"{name} {what} of a body / FFCx", label, 1, rates[0], "thousand cells/s", rates[1]))
     return rows
 
 
