@@ -2,6 +2,7 @@
 #include "arrays.h"
 #include "dolfinx_impact/common/OnAllRanks.h"
 #include "dolfinx_impact/problems/ExplicitProblem.h"
+#include "dolfinx_impact/problems/explicit_state.h"
 #include "dolfinx_impact/problems/failed_run.h"
 #include <nanobind/stl/optional.h>
 
@@ -283,16 +284,7 @@ void bind_stable_step(nb::module_& m)
           "since", [](const StableStepWatch& self) { return copy_of(self.seen().since); }, nb::rv_policy::move)
       .def_prop_ro(
           "reference", [](const StableStepWatch& self) { return copy_of(self.seen().reference); }, nb::rv_policy::move)
-      .def_prop_ro("sensitivity", [](const StableStepWatch& self) { return self.seen().sensitivity; })
-      .def(
-          "resume",
-          [](StableStepWatch& self, Values squares, Values rates, Values since, Values reference, double sensitivity)
-          {
-            const auto vector = [](const Values& a) { return std::vector<double>(a.data(), a.data() + a.size()); };
-            self.restore({vector(squares), vector(rates), vector(since), vector(reference), sensitivity});
-          },
-          nb::arg("squares"), nb::arg("rates"), nb::arg("since"), nb::arg("reference"), nb::arg("sensitivity"),
-          "From a checkpoint; owned entries of the reference. Collective");
+      .def_prop_ro("sensitivity", [](const StableStepWatch& self) { return self.seen().sensitivity; });
   nb::class_<SafeStep>(m, "SafeStep", "The stable step of a run, found again where it may have changed")
       .def_prop_ro("value", &SafeStep::value)
       .def(
@@ -305,11 +297,6 @@ void bind_stable_step(nb::module_& m)
       .def_prop_ro("deformed", &SafeStep::deformed)
       .def_prop_ro("check_step", [](const SafeStep& self) { return self.saved().check_step; })
       .def_prop_ro("check_interval", [](const SafeStep& self) { return self.saved().check_interval; })
-      .def(
-          "resume",
-          [](SafeStep& self, double value, std::int64_t check_step, std::int64_t check_interval, bool deformed)
-          { self.restore({value, check_step, check_interval, deformed}); }, nb::arg("value"), nb::arg("check_step"),
-          nb::arg("check_interval"), nb::arg("deformed"))
       .def_prop_rw("longest_interval", &SafeStep::longest_interval, &SafeStep::set_longest_interval)
       .def_ro_static("safety", &SafeStep::safety);
 }
@@ -430,15 +417,21 @@ void bind_explicit(nb::module_& m)
           nb::arg("until"), nb::arg("dt").none(), nb::arg("unsafe"), nb::arg("gain_warning"), nb::arg("gain_limit"),
           nb::arg("observer"), "What all ranks throw, or None. Collective")
       .def(
+          "saved_state", [](ExplicitProblem& self) { return saved_state(self); },
+          "What the run goes on from, beside internal variables and the schedule. Collective")
+      .def(
+          "empty_state", [](ExplicitProblem& self) { return empty_state(self); },
+          "A state of that structure, whose values do not matter")
+      .def(
           "resume",
-          [](ExplicitProblem& self, double time, std::int64_t step, double next_time, double nominal,
+          [](ExplicitProblem& self, const dolfinx_impact::state::State& saved,
              const std::optional<StepSchedule>& schedule, nb::object observer)
           {
             PythonObserver told(std::move(observer));
-            self.resume(time, step, next_time, nominal, schedule, told);
+            resume(self, saved, schedule, told);
           },
-          nb::arg("time"), nb::arg("step"), nb::arg("next_time"), nb::arg("nominal"), nb::arg("schedule").none(),
-          nb::arg("observer"), "Collective");
+          nb::arg("saved"), nb::arg("schedule").none(), nb::arg("observer"),
+          "Go on from what saved_state has returned. Collective");
   m.def("released_message", &released_message, nb::arg("released"), nb::arg("limit"), nb::arg("go_on"));
   m.attr("start_strain") = start_strain;
 }

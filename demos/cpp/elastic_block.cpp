@@ -21,17 +21,18 @@ using namespace dolfinx_impact;
 
 namespace
 {
-constexpr double E = 207e9, nu = 0.0, length = 2.0; // [Pa], [1]: no contraction, so that the clamp disturbs nothing; [m]
-constexpr double elongation = 1e-3;                 // [m]
+constexpr double E = 207e9, nu = 0.0,
+                 length = 2.0;      // [Pa], [1]: no contraction, so that the clamp disturbs nothing; [m]
+constexpr double elongation = 1e-3; // [m]
 
 /// Displacements on a box of these cells, of degree 1.
 std::shared_ptr<fem::Function<double>> displacement(mesh::CellType cell, int degree)
 {
   auto mesh = std::make_shared<mesh::Mesh<double>>(
       mesh::create_box<double>(MPI_COMM_WORLD, {{{0.0, 0.0, 0.0}, {length, 1.0, 1.0}}}, {5, 3, 3}, cell));
-  const auto element = basix::create_element<double>(
-      basix::element::family::P, mesh::cell_type_to_basix_type(cell), degree,
-      basix::element::lagrange_variant::gll_warped, basix::element::dpc_variant::unset, false);
+  const auto element = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell),
+                                                     degree, basix::element::lagrange_variant::gll_warped,
+                                                     basix::element::dpc_variant::unset, false);
   return std::make_shared<fem::Function<double>>(
       std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3})));
 }
@@ -56,9 +57,8 @@ bool run()
   const auto V = u->function_space();
   const auto clamped = std::make_shared<fem::Constant<double>>(std::vector<double>{0.0, 0.0, 0.0});
   const auto pulled = std::make_shared<fem::Constant<double>>(std::vector<double>{elongation, 0.0, 0.0});
-  const problems::BoundaryConditions bcs{
-      std::make_shared<fem::DirichletBC<double>>(clamped, nodes_at(*V, 0.0), V),
-      std::make_shared<fem::DirichletBC<double>>(pulled, nodes_at(*V, length), V)};
+  const problems::BoundaryConditions bcs{std::make_shared<fem::DirichletBC<double>>(clamped, nodes_at(*V, 0.0), V),
+                                         std::make_shared<fem::DirichletBC<double>>(pulled, nodes_at(*V, length), V)};
   const auto body = std::make_shared<problems::KernelBody>(u, steel);
   problems::StaticProblem problem(u, body, bcs);
   const solve::LoadStepReport report = problem.solve();

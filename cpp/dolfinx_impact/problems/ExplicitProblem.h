@@ -85,6 +85,7 @@ public:
   integrators::SafeStep& safe_step() { return _safe; }
   const ExplicitStepper& stepper() const { return _stepper; }
   const ExplicitBody& body() const { return _body; }
+  const std::vector<ContactInTime>& contacts() const { return _contacts; }
 
 private:
   ExplicitStepper::System system();

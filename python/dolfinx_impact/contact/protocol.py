@@ -450,16 +450,6 @@ class ExplicitContact(Protocol):
             One contact, or for balanced contact one per direction.
         """
 
-    def saved_states(self) -> list[_cpp.state.State]:
-        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
-
-    def resume(self, saved: list[_cpp.state.State]) -> None:
-        """Go on from what `saved_states` has returned, on these ranks or others.
-
-        Args:
-            saved: the states.
-        """
-
     def update_results(self) -> None:
         """Copy pressures, tractions and totals of the last step. Collective."""
 

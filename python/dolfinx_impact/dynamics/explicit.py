@@ -178,7 +178,7 @@ class ExplicitProblem(Unique):
         )
         self.axisymmetric = bodies.hypothesis == "axisymmetric"
         self._frequencies = bodies.frequencies
-        self.prescribed = np.zeros(len(u.x.array), dtype=bool)
+        self.prescribed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for bc in bcs:
             self.prescribed[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
         if residual is not None:
@@ -196,8 +196,9 @@ class ExplicitProblem(Unique):
         alpha, beta = self.damping.alpha, self.damping.beta
         self._damping_of_all = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
-            u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object, bodies.body(self._damping_of_all),
-            motions, dead, [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
+            u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
+            bodies.body(self._damping_of_all), motions, dead,
+            [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
         integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step

@@ -5,25 +5,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from .. import _cpp
 from ..common.collective import agree, attempt
-from ..common.types import ArrayLike, FilePath
+from ..common.types import ArrayLike, FilePath,
 from ..io import checkpoints
 from ..io.checkpoint import Attribute
-from ..io.checkpoints import SAME, Checkpoints, Place, State, number, refuse
+from ..io.checkpoints import SAME, Checkpoints, Place, number, refuse
 from ..io.given_arguments import short
 from ..io.signature import functions_of_time
+from .recorder import Recorder
+from .started_problem import StartedProblem
 from .step_schedule import StepSchedule
 from .subject import check_nodal, in_time
-
-if TYPE_CHECKING:
-    from .explicit import ExplicitProblem
-    from .recorder import Recorder
-    from .time_stepper import TimeStepper
+from .time_stepper import TimeStepper
 
 TABLES = ("works", "common")  # numbers that the integrator saves by name: sums over ranks, equal on all ranks
 NUMBERS = (
@@ -59,9 +57,9 @@ class Restart(Checkpoints):
     more = ("schedule", "functions of time", *TABLES)
     equal = ("common",)
 
-    def __init__(self, problem: ExplicitProblem, stepper: TimeStepper) -> None:
+    def __init__(self, problem: StartedProblem, stepper: TimeStepper) -> None:
         super().__init__(in_time(problem))
-        self.problem, self.stepper, self.integrator = problem, stepper, stepper.integrator
+        self.problem, self.stepper, self._cpp_object = problem, stepper, problem._cpp_object
 
     def _recorders(self) -> Sequence[Recorder]:
         return self.stepper.recorders
@@ -71,37 +69,19 @@ class Restart(Checkpoints):
 
     def _state(self) -> _cpp.state.State:
         self.stepper.refresh()
-        return self._with(self.integrator.saved_state())
+        return self._with(self._cpp_object.saved_state())
 
     def _like(self) -> _cpp.state.State:
-        return self._with(self.integrator.empty_state())
+        return self._with(self._cpp_object.empty_state())
 
-    def _with(self, integrator: _cpp.state.State) -> _cpp.state.State:
-        """The state with that of the integrator."""
-        stepper, bs = self.stepper, self.problem.space.dofmap.index_map_bs
-        history, watch, changes = stepper.history, stepper.watch, stepper.inputs.changes
-        out = State("explicit problem")
-        out.add(integrator)
-        checkpoints.add_numbers(
-            out, time=stepper.time, next_time=stepper.next_time, step=stepper.step, safe_step=stepper.safe_step,
-            nominal_step=stepper.nominal_step, check_step=stepper.check_step, check_interval=stepper.check_interval,
-            largest=history.largest, total_start=0.0 if history.total_start is None else history.total_start,
-            deformed=int(stepper.deformed), input_change=changes.total if changes.stale else -1.0,
-            allowed_change=changes.allowed, sensitivity=0.0 if watch is None else watch.sensitivity,
-        )  # fmt: skip
-        checkpoints.add_history(out, self.problem)
-        if watch is not None:
-            out.add("watch", Place.node, watch.reference[: self.problem.num_owned].reshape(-1, bs))
-            for name in WATCH:
-                out.add(f"watch {name}", Place.cell, getattr(watch, name))
+    def _with(self, run: _cpp.state.State) -> _cpp.state.State:
+        """The state of the C++ problem, with internal variables and results of contacts."""
+        checkpoints.add_history(run, self.problem)
         for k, contact in enumerate(self.problem.contact):
-            for j, part in enumerate(contact.saved_states()):
-                part.rename(f"contact{k}_{j}")
-                out.add(part)
             for part in contact.results_state():
                 part.rename(f"{part.name}{k}")
-                out.add(part)
-        return out
+                run.add(part)
+        return run
 
     @staticmethod
     def _sides(saved: _cpp.state.State, k: int) -> list[_cpp.state.State]:
@@ -110,14 +90,14 @@ class Restart(Checkpoints):
 
     def _attributes(self) -> dict[str, Attribute]:
         stepper, s = self.stepper, self.stepper.schedule
-        steps = [s.begin, s.until, s.first, s.last, s.auto] if s else []
+        steps: list[float] = [s.begin, s.until, s.first, s.last, s.auto] if s else []
         table, error = attempt(functions_of_time, stepper.functions, stepper.time, stepper.next_time)
         agree(self.comm, error, "functions of time")
         return {"schedule": np.array(steps, dtype=float), "functions of time": table, **self._names()}
 
     def _names(self) -> dict[str, str]:
         """Names in TABLES as texts."""
-        parts = self.integrator.empty_state()
+        parts = self._cpp_object.integrator.empty_state()
         return {table: short(", ".join(parts.part(table).names)) for table in TABLES}
 
     def _check(self, path: FilePath, saved: _cpp.state.State, attributes: Mapping[str, Any]) -> StepSchedule | None:
@@ -170,35 +150,11 @@ class Restart(Checkpoints):
 
     def _apply(self, saved: _cpp.state.State, attributes: Mapping[str, Any], checked: StepSchedule | None) -> None:
         """Set the problem to the state that was read; this raises no exceptions. Collective."""
-        stepper = self.stepper
         # The present constants, functions and loads are those of the state that was read.
-        stepper.inputs.update_all()
-        watch = stepper.watch
+        self.stepper.inputs.update_all()
         checkpoints.set_history(saved, self.problem)
-        for k, contact in enumerate(self.problem.contact):
-            contact.resume(self._sides(saved, k))
-        changes, change = stepper.inputs.changes, number(saved, "input_change")
-        changes.stale, changes.total = change >= 0.0, max(change, 0.0)
-        changes.allowed = number(saved, "allowed_change")
-        if watch is not None:
-            squares, rates, since = (saved.array(f"watch {name}").copy() for name in WATCH)
-            watch.resume(squares, rates, since, saved.array("watch").flatten(), number(saved, "sensitivity"))
-        self.integrator.resume(saved.part("integrator"))
-        step = int(number(saved, "step"))
-        # `resume` gives the integrator loads and prescribed motion, which acceleration and velocity depend on.
-        stepper.resume(
-            number(saved, "time"),
-            step,
-            number(saved, "next_time"),
-            number(saved, "safe_step"),
-            number(saved, "nominal_step"),
-            int(number(saved, "check_step")),
-            int(number(saved, "check_interval")),
-            checked,
-            bool(number(saved, "deformed")),
-        )
-        stepper.history.resume(number(saved, "total_start") if step else None, number(saved, "largest"))
-        stepper.state.update()
+        self.stepper.resume(saved, checked)
+        self.stepper.state.update()
         for k, contact in enumerate(self.problem.contact):
             contact.resume_results(saved.part(f"results{k}"), saved.part(f"contact{k}"))
 

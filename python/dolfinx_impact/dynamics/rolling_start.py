@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from dolfinx import default_scalar_type, fem
@@ -19,9 +19,7 @@ from ..plasticity import J2Plasticity
 from ..rolling.motions import Spin, Translation
 from ..rolling.problem import RollingProblem
 from .spring_start import SpringStart
-
-if TYPE_CHECKING:
-    from .explicit import ExplicitProblem
+from .started_problem import StartedProblem
 
 ALONG = 1e-12  # of a unit vector: an axis is a coordinate axis
 
@@ -133,7 +131,9 @@ def _driven(pair: ContactPair) -> ContactPair:
     return driven
 
 
-def make(kind: type[ExplicitProblem], rolling: RollingProblem, penalty: float | str, given: dict[str, Any]) -> Any:
+def make(
+    kind: Callable[..., StartedProblem], rolling: RollingProblem, penalty: float | str, given: dict[str, Any]
+) -> Any:
     """Make the explicit problem; arguments are checked. Collective.
 
     Args:
@@ -145,7 +145,7 @@ def make(kind: type[ExplicitProblem], rolling: RollingProblem, penalty: float | 
     velocity = rolling.velocity()
     more = {name: value for name, value in given.items() if name != "bcs"}
 
-    def build(u: fem.Function) -> ExplicitProblem:
+    def build(u: fem.Function) -> StartedProblem:
         bcs = given["bcs"] if "bcs" in given else moving_supports(rolling, u.x.array)
         contact = [Penalty(_driven(c.pair), penalty=penalty) for c in rolling.contact]
         return kind(u, rolling.material, velocity=velocity, contact=contact, bcs=bcs, **more)

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy
@@ -11,9 +11,7 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..common.types import BoolArray, FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from .explicit import ExplicitProblem
+from .started_problem import StartedProblem
 
 FIRST = 1e-3  # of the distance that bounds the penetration: first guess of the approach that closes the springs
 MARGIN = 1e-2  # of their penetration, by which nodes that bear nothing are open
@@ -42,7 +40,7 @@ class SpringStart:
         self,
         steady: Any,
         nodes: IntArray,
-        problem: ExplicitProblem,
+        problem: StartedProblem,
         directions: BoolArray | None = None,
         number: int = 0,
     ) -> None:

@@ -3,22 +3,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
-import scipy
-from dolfinx import fem
 from mpi4py import MPI
 
 from .. import _cpp
 from ..assembly import problem_arguments
 from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.penalty.penalty import Penalty
+from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem
 from .spring_start import SpringStart
-
-if TYPE_CHECKING:
-    from .explicit import ExplicitProblem
+from .started_problem import StartedProblem
 
 
 def check(static: StaticProblem, given: dict[str, Any]) -> None:
@@ -50,7 +48,7 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
             raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")
 
 
-def free_directions(problem: ExplicitProblem, nodes: IntArray) -> BoolArray:
+def free_directions(problem: StartedProblem, nodes: IntArray) -> BoolArray:
     """Directions in which no node of a body is held, (gdim). Collective.
 
     Args:
@@ -62,7 +60,7 @@ def free_directions(problem: ExplicitProblem, nodes: IntArray) -> BoolArray:
     return np.asarray(problem.comm.allreduce(held, MPI.SUM)) == 0
 
 
-def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, Any]) -> Any:
+def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict[str, Any]) -> Any:
     """Make the explicit problem; arguments are checked. Collective.
 
     Args:
@@ -71,14 +69,13 @@ def make(kind: type[ExplicitProblem], static: StaticProblem, given: dict[str, An
         given: further arguments of the explicit problem.
     """
     V = static.u.function_space
-    history = static.history if static.has_history else None
+    history = State("history")
+    add_history(history, static)
     given = {"velocity": fem.Function(V, name="velocity"), **given}
 
-    def build(u: fem.Function) -> ExplicitProblem:
+    def build(u: fem.Function) -> StartedProblem:
         problem = kind(u, static.material, **given)
-        if history is not None:
-            for name, field in history.items():
-                problem.history[name].values = field.values
+        set_history(history, problem)
         return problem
 
     u = fem.Function(V, name=static.u.name)

@@ -134,34 +134,15 @@ class TimeStepper:
         self._raise(self._cpp_object.start(self))
         self.state.update()
 
-    def resume(
-        self,
-        time: float,
-        step: int,
-        next_time: float,
-        safe_step: float,
-        nominal_step: float,
-        check_step: int,
-        check_interval: int,
-        schedule: StepSchedule | None,
-        deformed: bool,
-    ) -> None:
-        """Set the attributes from a checkpoint; the integrator must have been restored before. Collective.
+    def resume(self, saved: _cpp.state.State, schedule: StepSchedule | None) -> None:
+        """Go on from a checkpoint. Collective.
 
         Args:
-            time: present time [T].
-            step: number of the present step [1].
-            next_time: time of the next step [T].
-            safe_step: largest stable step [T].
-            nominal_step: upper bound of the steps of the schedule [T].
-            check_step: step at which the stable step of a deforming body is computed again [1].
-            check_interval: number of steps from the last check to that one [1].
+            saved: what the C++ problem has saved.
             schedule: steps of an `advance` that was interrupted; None: there was none.
-            deformed: whether a cell has deformed so far that the stable step is to be found anew.
         """
-        self._cpp_object.safe_step.resume(safe_step, check_step, check_interval, deformed)
         self.state.share.begin_anew()
-        self._cpp_object.resume(time, step, next_time, nominal_step, schedule, self)
+        self._cpp_object.resume(saved, schedule, self)
 
     def check_unchanged(self) -> None:
         """Refuse supports, rigid masters and meshes that were changed, on this rank.

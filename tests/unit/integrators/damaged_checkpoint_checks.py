@@ -17,31 +17,15 @@ LAST = COMM.rank == COMM.size - 1
 FLIPS = 500
 
 
-def arrays(side):
-    """State of a side of a contact by name."""
-    state = side.saved_state()
-    return {name: state.array(name) for name in state.names}
+def arrays(state):
+    """All values of a state and its parts."""
+    found = [np.ravel(state.array(name)) for name in state.names]
+    return found + [values for name in state.parts for values in arrays(state.part(name))]
 
 
 def everything(problem):
     """All that `restore` may change: motion, contact with its history, times, energies."""
-    saved = problem._cpp_object.integrator.saved_state()
-    parts = [
-        state(problem),
-        [
-            problem.time,
-            problem.step,
-            problem._stepper.safe_step,
-            problem._stepper.nominal_step,
-            problem._history.largest,
-        ],
-    ]
-    for part in (saved, saved.part("works"), saved.part("common")):
-        parts += [np.ravel(part.array(name)) for name in part.names]
-    for contact in problem.contact:
-        for side in contact.sides():
-            parts += [np.ravel(values) for values in arrays(side).values()]
-    return np.concatenate([np.asarray(part, dtype=float) for part in parts])
+    return np.concatenate([state(problem), *arrays(problem._cpp_object.saved_state())]).astype(float)
 
 
 def after(problem, path, steps=60):

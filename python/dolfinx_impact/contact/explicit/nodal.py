@@ -251,18 +251,6 @@ class NodalResult(ContactOutput):
         """
         return self._sides
 
-    def saved_states(self) -> list[_cpp.state.State]:
-        """What the next step starts from, of each side, values of their own; the first has the force of the pair."""
-        return list(self._cpp_object.saved_states())
-
-    def resume(self, saved: list[_cpp.state.State]) -> None:
-        """Go on from what `saved_states` has returned, on these ranks or others.
-
-        Args:
-            saved: the states.
-        """
-        self._cpp_object.resume(saved)
-
     def spring_frequency(self) -> float:
         """Upper bound of the angular frequency that springs of given stiffness add. Collective.
 
