@@ -247,6 +247,14 @@ void bind_newton(nb::module_& m)
           },
           nb::arg("u"), nb::arg("body"), nb::arg("contacts"), nb::arg("fixed"), nb::arg("linear_solver"),
           nb::arg("axisymmetric"), nb::arg("keeps_multipliers"), nb::arg("exact_tangent"), nb::arg("fields"))
+      .def("__repr__",
+           [](const EquilibriumProblem& self)
+           {
+             const auto& map = *self.space().dofmap()->index_map;
+             const auto size = map.size_global() * self.space().dofmap()->index_map_bs();
+             return "EquilibriumProblem(" + std::to_string(size) + " unknowns, " +
+                    std::to_string(self.contacts.size()) + " contacts)";
+           })
       .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; });
   nb::class_<NewtonOptions>(m, "NewtonOptions", "Tolerances and limits of Newton's method")
       .def(nb::init<>())

@@ -78,6 +78,7 @@ bool run()
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank == 0)
   {
+    std::printf("cells per kernel call: %d\n", body->forces().front().force->width());
     std::printf("iterations: %d\n", report.iterations[0]);
     std::printf("stored energy / exact = %.12f\n", energy / exact);
     std::printf("kernels for degree 3: %s\n", refused ? "refused" : "found");

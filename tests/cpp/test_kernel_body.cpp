@@ -39,13 +39,12 @@ struct Bar
   std::shared_ptr<fem::Function<double>> u;
 
   Bar(mesh::CellType cell, int degree)
-      : mesh(std::make_shared<mesh::Mesh<double>>(mesh::create_box<double>(
-            MPI_COMM_SELF, {{{0.0, 0.0, 0.0}, {length, 1.0, 1.0}}}, {2, 1, 1}, cell)))
+      : mesh(std::make_shared<mesh::Mesh<double>>(
+            mesh::create_box<double>(MPI_COMM_SELF, {{{0.0, 0.0, 0.0}, {length, 1.0, 1.0}}}, {2, 1, 1}, cell)))
   {
-    const auto element
-        = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell), degree,
-                                        basix::element::lagrange_variant::gll_warped,
-                                        basix::element::dpc_variant::unset, false);
+    const auto element = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell),
+                                                       degree, basix::element::lagrange_variant::gll_warped,
+                                                       basix::element::dpc_variant::unset, false);
     V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
     u = std::make_shared<fem::Function<double>>(V);
   }
@@ -210,9 +209,8 @@ TEST_CASE("materials by cells: two halves of one material are the whole, an elas
   const double stress = whole.pull(strain * length);
   CHECK(equal.pull(strain * length) == Catch::Approx(stress).epsilon(1e-11));
   CHECK(equal.body->state().parts().size() == 2);
-  Pulled mixed(
-      [](Pulled& p)
-      { return halves(p, plastic("j2.small.linear"), {"linear_elastic", {{"E", {E}}, {"nu", {nu}}}, "3d"}); });
+  Pulled mixed([](Pulled& p)
+               { return halves(p, plastic("j2.small.linear"), {"linear_elastic", {{"E", {E}}, {"nu", {nu}}}, "3d"}); });
   const double stiffer = mixed.pull(strain * length);
   CHECK(stiffer > 1.2 * stress); // springs in series, of which one does not yield
   CHECK(stiffer < E * strain);

@@ -271,24 +271,29 @@ def test_flow_keeps_the_volume(name):
 # --- faults of the tangent and of commits -----------------------------------------------------------------------------
 
 
-def wrong_step(monkeypatch):
-    """The tangent starts from the history of the trial, not from the committed one: that of the next step."""
+def wrong_step(monkeypatch, only=None):
+    """The tangent starts from the history of the trial, not from the committed one: that of the next step. With `only`
+    one internal variable is, where expressions of all would take the compiler minutes."""
     right = consistent_tangent.consistent_tangent
 
     def wrong(u, du, v, response, kinematics, symbols, dx):
         update = response.respond(kinematics.strain(u), dict(symbols.history), symbols.unknown)
-        after = {symbol: update.outputs[name] for name, symbol in symbols.history.items()}
+        after = {symbol: update.outputs[name] for name, symbol in symbols.history.items()
+                 if only in (None, name)}  # fmt: skip
         return ufl.replace(right(u, du, v, response, kinematics, symbols, dx), after)
 
     monkeypatch.setattr(consistent_tangent, "consistent_tangent", wrong)
 
 
-@pytest.mark.parametrize("name", ("linear", "armstrong_frederick", "voce_armstrong_frederick"))
+# The last one's expressions keep the compiler busy for half a minute.
+@pytest.mark.parametrize(
+    "name", ("linear", "armstrong_frederick", pytest.param("voce_armstrong_frederick", marks=pytest.mark.slow))
+)
 def test_a_tangent_of_the_wrong_step_is_seen(name, monkeypatch):
     report = Report()
     material_tangent.taylor(report, *tangent_case(name))
     assert report.passed
-    wrong_step(monkeypatch)
+    wrong_step(monkeypatch, law.BACK_STRESS if name.startswith("voce") else None)
     material_tangent.taylor(report, *tangent_case(name))
     assert [row.passed for row in report.rows] == [True, False] and report.rows[1].note
 

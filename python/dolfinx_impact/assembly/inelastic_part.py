@@ -71,6 +71,21 @@ class InelasticPart:
         """
         return inelastic.force_and_law(self.u, v, self.response, self.kinematics, self.symbols, self.dx, with_stress)
 
+    def tangent_form(self) -> tuple[ufl.Form, dict[Any, str]]:
+        """Form of rank 1 of the consistent tangent in a direction, and names of the coefficients that stand for
+        history, local unknowns and the direction.
+
+        Raises:
+            ValueError: the stress has a maximum over a cell, which has no derivative.
+        """
+        V = self.u.function_space
+        du, v = Function(V, name=consistent_tangent.DIRECTION), ufl.TestFunction(V)
+        of_law = self.response, self.kinematics, self.symbols
+        return (
+            consistent_tangent.consistent_tangent(self.u, du, v, *of_law, self.dx),
+            consistent_tangent.names_of(self.symbols, du),
+        )
+
     def tangent(self, history: PointHistory) -> BilinearKernels:
         """Kernels of the consistent tangent. Collective.
 
@@ -78,17 +93,12 @@ class InelasticPart:
             history: internal variables of the force's kernels.
 
         Raises:
-            ValueError: the stress has a maximum over a cell, which has no derivative.
+            ValueError: as tangent_form.
         """
-        V = self.u.function_space
-        du, v = Function(V, name=consistent_tangent.DIRECTION), ufl.TestFunction(V)
-        form = consistent_tangent.consistent_tangent(
-            self.u, du, v, self.response, self.kinematics, self.symbols, self.dx
-        )
-        fields = consistent_tangent.names_of(self.symbols, du)
-        compiled = compile_form(form, fields)
-        del fields[du]
-        return BilinearKernels(form, compiled, fields, history.of_tag(-1 if self.tag is None else self.tag))
+        form, names = self.tangent_form()
+        fields = {symbol: name for symbol, name in names.items() if name != consistent_tangent.DIRECTION}
+        own = history.of_tag(-1 if self.tag is None else self.tag)
+        return BilinearKernels(form, compile_form(form, names), fields, own)
 
     def elastic_tangent(self, du: ufl.Argument, v: ufl.Argument) -> ufl.Form:
         """Stiffness of the elastic part in the deformed shape, an upper bound of the inelastic one.

@@ -16,10 +16,6 @@ from .case import Case
 from .further_forms import mass_form
 from .own_law import DENSITY, DISPLACEMENT, KernelForm, Named, OwnLaw, values_of
 
-NO_TANGENT = (
-    "the consistent tangent of a law with internal variables is no single kernel, problems condense it; "
-    "elastic_tangent is the stiffness of its elastic part"
-)
 NO_ENERGY = "the stored energy depends on the internal variables: the kernel of the force sums it up as 'elastic'"
 
 
@@ -36,14 +32,18 @@ def law_of_material(material: _Material, name: str, mesh: Mesh, case: Case) -> O
     u, v, du = fem.Function(V, name=DISPLACEMENT), ufl.TestFunction(V), ufl.TrialFunction(V)
     dx, degree = operators.cells_measure(u, material)
     missing = {}
+    names: dict[Named, str] = {u: DISPLACEMENT}
     if isinstance(material, InelasticMaterial):
         part = InelasticPart(u, material, dx, degree, None)
+        tangent, of_tangent = part.tangent_form()
+        names |= of_tangent
         forms = {
             "force": KernelForm(*part.force(v)),
+            "tangent": KernelForm(tangent),
             "elastic_tangent": KernelForm(part.elastic_tangent(du, v)),
             "stress": KernelForm(*part.force(v, with_stress=True)),
         }
-        missing = {"tangent": NO_TANGENT, "energy": NO_ENERGY}
+        missing = {"energy": NO_ENERGY}
     else:
         forms = {
             "force": KernelForm(operators.internal_force_form(u, v, material)),
@@ -53,7 +53,6 @@ def law_of_material(material: _Material, name: str, mesh: Mesh, case: Case) -> O
         }
     mass, density = mass_form(u, case)
     forms["mass"] = KernelForm(mass)
-    names: dict[Named, str] = {u: DISPLACEMENT}
     names |= {constant: of for of, constant in material.constants_on(mesh).items()}
     values = values_of(names)
     if material.density is not None:

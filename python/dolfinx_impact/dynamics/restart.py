@@ -11,7 +11,7 @@ import numpy as np
 
 from .. import _cpp
 from ..common.collective import agree, attempt
-from ..common.types import ArrayLike, FilePath,
+from ..common.types import ArrayLike, FilePath
 from ..io import checkpoints
 from ..io.checkpoint import Attribute
 from ..io.checkpoints import SAME, Checkpoints, Place, number, refuse

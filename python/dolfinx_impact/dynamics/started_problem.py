@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol
 
+from .. import _cpp
 from ..assembly.history import MaterialHistory
 from ..common.types import BoolArray
 from ..io.signature import Problem
@@ -19,6 +20,10 @@ class StartedProblem(Problem, Protocol):
     """
 
     prescribed: BoolArray
+
+    @property
+    def _cpp_object(self) -> _cpp.problems.ExplicitProblem:
+        """The problem in C++."""
 
     @property
     def contact(self) -> Sequence[Any]:

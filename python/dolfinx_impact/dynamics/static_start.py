@@ -7,11 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from dolfinx import fem
 from mpi4py import MPI
 
 from .. import _cpp
 from ..assembly import problem_arguments
-from ..common.types import BoolArray, FloatArray, IntArray
+from ..common.types import BoolArray, IntArray
 from ..contact.penalty.penalty import Penalty
 from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem

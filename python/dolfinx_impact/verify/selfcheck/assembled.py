@@ -92,7 +92,7 @@ class AssembledMaterial:
         """As Assembled."""
         self.u.x.array[:] = values
         out = np.array(self.problem.assemble_residual().array_r)
-        fault = self.problem.body.fault()
+        fault = self.problem.body.in_cpp().fault()
         if fault:
             raise RuntimeError(fault)
         return out
