@@ -8,8 +8,7 @@ namespace dolfinx_impact::common
 /// Do what may fail on one rank alone, and let all ranks fail alike: a rank that throws while the others go on to an
 /// exchange would leave them waiting there. Collective, one reduction.
 /// @param[in] act does not communicate
-/// @throws std::invalid_argument, std::runtime_error as the lowest rank that failed, with its text; a single rank
-/// passes
-///   on whatever `act` throws
+/// @throws std::exception on all ranks: std::invalid_argument or std::runtime_error, with the text of the lowest rank
+/// that failed; a single rank passes on whatever `act` throws
 void agree(MPI_Comm comm, const std::function<void()>& act);
 } // namespace dolfinx_impact::common

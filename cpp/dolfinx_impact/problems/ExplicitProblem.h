@@ -76,7 +76,7 @@ public:
   /// in the next step. Collective.
   state::State saved_state();
   /// Go on from what `saved_state` has returned; the history begins anew. Collective.
-  /// @throws std::invalid_argument, std::out_of_range for the state of another problem
+  /// @throws std::logic_error for the state of another problem: std::invalid_argument or std::out_of_range
   void resume(const state::State& saved);
   /// Set displacement, velocity and acceleration to those of the present time. Collective.
   void update_motion();

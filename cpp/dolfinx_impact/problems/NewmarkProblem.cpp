@@ -117,7 +117,7 @@ NewmarkProblem::NewmarkProblem(std::shared_ptr<Function> u, std::shared_ptr<Func
   std::vector<std::shared_ptr<enforcement::StaticContact>> pairs;
   for (const ImplicitContact& c : contacts)
     pairs.push_back(c.contact);
-  _equilibrium = make_equilibrium(_u, moving, std::move(pairs), _supports.mask(), options.solver);
+  _equilibrium = make_equilibrium(_u, moving, std::move(pairs), _supports.mask(), options.solver, "impact_implicit_");
   auto excitation = std::make_shared<TimeExcitation>(comm(), _functions, _supports, loaded, loads, contacts);
   _stepper = std::make_unique<integrators::ImplicitStepper>(_equilibrium, moving, options.scheme, excitation,
                                                             _body.mass, _v, _a);

@@ -24,7 +24,7 @@ struct ImplicitContact
 struct NewmarkOptions
 {
   integrators::ImplicitScheme scheme = {}; ///< by default the trapezoidal rule
-  SolverOptions solver = {.prefix = "impact_implicit_"};
+  SolverOptions solver = {};
 };
 
 struct ImplicitAdvance

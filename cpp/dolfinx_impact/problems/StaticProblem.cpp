@@ -22,7 +22,8 @@ StaticProblem::StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, 
     : _bcs(std::move(bcs))
 {
   std::vector<std::int8_t> fixed = prescribed_dofs(*u->function_space(), _bcs);
-  _equilibrium = make_equilibrium(std::move(u), std::move(body), std::move(contacts), std::move(fixed), options);
+  _equilibrium =
+      make_equilibrium(std::move(u), std::move(body), std::move(contacts), std::move(fixed), options, "impact_static_");
   for (const auto& contact : _equilibrium->contacts)
     _obstacles.push_back(contact->displacement());
 }

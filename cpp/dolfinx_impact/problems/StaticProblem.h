@@ -37,7 +37,7 @@ public:
   /// @throws std::invalid_argument for contacts that cannot share nodes, or options that PETSc does not take
   StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<solve::Body> body,
                 BoundaryConditions bcs, std::vector<std::shared_ptr<enforcement::StaticContact>> contacts = {},
-                const SolverOptions& options = {.prefix = "impact_static_"});
+                const SolverOptions& options = {});
 
   /// Solve for the present values of boundary conditions, loads and obstacles, in steps from those of the last solve.
   /// Collective.

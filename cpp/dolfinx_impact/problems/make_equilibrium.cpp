@@ -9,7 +9,7 @@ namespace dolfinx_impact::problems
 std::shared_ptr<solve::EquilibriumProblem>
 make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<solve::Body> body,
                  std::vector<std::shared_ptr<enforcement::StaticContact>> contacts, std::vector<std::int8_t> fixed,
-                 const SolverOptions& options)
+                 const SolverOptions& options, const std::string& prefix)
 {
   const auto V = u->function_space();
   auto out = std::make_shared<solve::EquilibriumProblem>();
@@ -27,7 +27,8 @@ make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_
   p.keeps_multipliers = enforcement::connect(multipliers) ||
                         std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
                                             { return contact->options().basis != gap::Multipliers::dual; });
-  p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, options.prefix, p.keeps_multipliers);
+  p.linear_solver = std::make_shared<solve::LinearSolver>(
+      *V, options.petsc, options.prefix.empty() ? prefix : options.prefix, p.keeps_multipliers);
   // The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
   // converge with it: their product with the last guess is on the right-hand side then.
   p.exact_tangent = p.linear_solver->direct();

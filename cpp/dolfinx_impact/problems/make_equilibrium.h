@@ -11,15 +11,16 @@ namespace dolfinx_impact::problems
 struct SolverOptions
 {
   solve::LinearSolver::Options petsc = {}; ///< PETSc options by name, without prefix
-  std::string prefix;                      ///< of options on the command line
+  std::string prefix = "";                 ///< of options on the command line; empty: that of the kind of problem
   bool axisymmetric = false;               ///< x is the radius
 };
 
 /// Bodies and contacts in equilibrium. Multipliers are condensed where they can be. Collective.
 /// @param[in] fixed mask of prescribed degrees of freedom, owned and ghosts
+/// @param[in] prefix of options on the command line, where `options` have none
 /// @throws std::invalid_argument for contacts that cannot share nodes, or options that PETSc does not take
 std::shared_ptr<solve::EquilibriumProblem>
 make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<solve::Body> body,
                  std::vector<std::shared_ptr<enforcement::StaticContact>> contacts, std::vector<std::int8_t> fixed,
-                 const SolverOptions& options);
+                 const SolverOptions& options, const std::string& prefix);
 } // namespace dolfinx_impact::problems
