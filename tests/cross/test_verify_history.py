@@ -11,7 +11,7 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.contact.explicit import nodal_stiffness
 from dolfinx_impact.contact.explicit.nodal import NodalResult
-from dolfinx_impact.dynamics import explicit
+from dolfinx_impact.dynamics import explicit_bodies
 from dolfinx_impact.verify import cross_check, history, implicit
 from dolfinx_impact.verify.report import Report
 
@@ -208,26 +208,26 @@ def test_another_added_mass_is_seen():
 
 def test_springs_that_count_as_loads_are_seen(monkeypatch):
     """The motion is right then, energies are not."""
-    right = _cpp.integrators.CentralDifference.add_term
+    right = explicit_bodies.ExplicitBodies.add
 
-    def wrong(self, forces, kind):
+    def wrong(self, form, kind):
         kinds = _cpp.integrators.WorkKind
-        return right(self, forces, kinds.damping if kind == kinds.foundation else kind)
+        return right(self, form, kinds.damping if kind == kinds.foundation else kind)
 
-    monkeypatch.setattr(_cpp.integrators.CentralDifference, "add_term", wrong)
+    monkeypatch.setattr(explicit_bodies.ExplicitBodies, "add", wrong)
     assert failed(case_of("quadrilateral", ON_SPRINGS)) == {"internal energy", "damping energy"}
 
 
 def test_springs_in_the_damping_by_stiffness_are_seen(monkeypatch):
     """Rayleigh's beta is of the bodies' stiffness alone."""
-    right = explicit.stiffness_damping
+    right = explicit_bodies.stiffness_damping
 
     def wrong(u, velocity, v, material, beta):
         springs = case.body.tags, history.SLAVE, case.foundation[0]
         return right(u, velocity, v, material, beta) + beta * di.Foundation(*springs).springs(velocity, v)
 
     case = case_of("quadrilateral", ON_DASHPOTS)
-    monkeypatch.setattr(explicit, "stiffness_damping", wrong)
+    monkeypatch.setattr(explicit_bodies, "stiffness_damping", wrong)
     assert {"displacement", "damping energy"} <= failed(case)
 
 

@@ -16,6 +16,7 @@ from dolfinx_impact.bench import laws as bench_laws
 from dolfinx_impact.bench import plastic as bench_plastic
 from dolfinx_impact.bench import rolling as bench_rolling
 from dolfinx_impact.bench import rows, run
+from dolfinx_impact.bench import statics as bench_statics
 
 PEAKS = """
 import json, sys
@@ -96,7 +97,9 @@ def test_rows_are_printed_as_they_come():
 def test_jobs_are_all_measurements():
     """A job per case, so that the bar moves; what the options add."""
     small, large = run.jobs(1e10, 1e9), run.jobs(1e10, 1e9, large=True, ranks=2)
-    explicit = len(bench_explicit.jobs()) + len(bench_plastic.jobs()) + len(bench_laws.jobs())
+    explicit = (
+        len(bench_explicit.jobs()) + len(bench_plastic.jobs()) + len(bench_laws.jobs()) + len(bench_statics.jobs())
+    )
     assert len(small) == len(run.CASES) + 2 * len(run.FINITE) + len(run.RANK_CELLS) + explicit + 2 + len(
         bench_rolling.jobs(False)
     )

@@ -91,11 +91,12 @@ def test_a_beam_stays_between_its_rollers(cell):
 
 
 def test_bodies_that_nothing_holds_any_more_are_no_solution(monkeypatch, contacts_in_python):
-    """Without looking at paths, the beam beyond the roller is refused as it hangs in the air."""
+    """Without looking at paths, the beam beyond the roller is refused as it hangs in the air. (It gets there in moves from
+    0.42 on; in shorter ones the last digits of residuals decide.)"""
     monkeypatch.setattr(
         "dolfinx_impact.contact.penalty.quadrature_penalty.QuadraturePenalty.passed_through", lambda self: ""
     )
-    beam = Beam("quadrilateral", di.Penalty, -0.4)
+    beam = Beam("quadrilateral", di.Penalty, -0.48)
     with pytest.raises(RuntimeError, match=r"contact was lost \(contact .*smallest gap .*free to move along y"):
         beam.problem.solve(cut_backs=0)
 
