@@ -91,8 +91,8 @@ def test_a_beam_stays_between_its_rollers(cell):
 
 
 def test_bodies_that_nothing_holds_any_more_are_no_solution(monkeypatch, contacts_in_python):
-    """Without looking at paths, the beam beyond the roller is refused as it hangs in the air. (It gets there in moves from
-    0.42 on; in shorter ones the last digits of residuals decide.)"""
+    """Without looking at paths, the beam beyond the roller is refused as it hangs in the air. (It gets there in moves
+    from 0.42 on; in shorter ones the last digits of residuals decide.)"""
     monkeypatch.setattr(
         "dolfinx_impact.contact.penalty.quadrature_penalty.QuadraturePenalty.passed_through", lambda self: ""
     )
