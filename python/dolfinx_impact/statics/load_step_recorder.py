@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from ..common.types import FilePath
 from ..common.units import Units
 from ..io import hdf5
 from ..io.run_folder import FolderGone, RunFolder
+from ..recording.field_arguments import RecordedProblem
 from ..recording.field_sources import field_sources
 from ..recording.field_writer import FieldWriter
 from ..recording.output_options import OutputOptions
@@ -21,7 +22,17 @@ from ..recording.output_options import OutputOptions
 if TYPE_CHECKING:
     import h5py
 
-    from .problem import StaticProblem
+
+class RecordedStatics(RecordedProblem, Protocol):
+    """A static problem as its recorders see it.
+
+    Attributes:
+        axisymmetric: whether x is the radius.
+        recorders: recorders that write during a solve.
+    """
+
+    axisymmetric: bool
+    recorders: list[LoadStepRecorder]
 
 
 class LoadStepRecorder:
@@ -49,7 +60,7 @@ class LoadStepRecorder:
     """
 
     def __init__(
-        self, problem: StaticProblem, path: FilePath | None, fields: Sequence[str], every: int, options: OutputOptions
+        self, problem: RecordedStatics, path: FilePath | None, fields: Sequence[str], every: int, options: OutputOptions
     ) -> None:
         self.problem, self._every, self._units = problem, every, options.units or Units()
         self.folder = RunFolder(path, {}, comm=problem.space.mesh.comm, name="static")

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
+from dolfinx.fem import DirichletBC, Function, FunctionSpace
 from mpi4py import MPI
 
 from .. import _cpp
@@ -14,7 +16,7 @@ from ..common.types import FloatArray
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
-    from .problem import StaticProblem
+    from .load_step_recorder import LoadStepRecorder
 
 LOG = logging.getLogger("dolfinx_impact")
 
@@ -134,8 +136,34 @@ class IncrementSolver(Protocol):
         ...
 
 
+class LoadedProblem(Protocol):
+    """What is applied in steps.
+
+    Attributes:
+        u: displacement, the unknown [L].
+        space: displacement space.
+        recorders: recorders that write during a solve.
+    """
+
+    u: Function
+    space: FunctionSpace
+    recorders: list[LoadStepRecorder]
+
+    @property
+    def bcs(self) -> Sequence[DirichletBC]:
+        """Prescribed displacements."""
+
+    @property
+    def loads(self) -> Sequence[Any]:
+        """Loads."""
+
+    @property
+    def contact(self) -> Sequence[Any]:
+        """Contacts."""
+
+
 def run_steps(
-    problem: StaticProblem,
+    problem: LoadedProblem,
     solver: IncrementSolver,
     steps: int,
     cut_backs: int,
@@ -145,7 +173,7 @@ def run_steps(
     """Solve all increments of a load step. Collective.
 
     Args:
-        problem: StaticProblem.
+        problem: loads, supports and contacts.
         solver: solver of an increment.
         steps: number of equal increments [1].
         cut_backs: largest number of times that the increment is halved [1].

@@ -3,23 +3,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
+import ufl
+from dolfinx.fem import Function, FunctionSpace
 
 from .. import _cpp
-from ..common.types import FloatArray, IntArray
+from ..assembly.history import MaterialHistory
+from ..common.types import BoolArray, FloatArray, IntArray
 from ..contact.saved_contacts import add_contacts, resume_contacts
 from ..io import checkpoints
 from ..io.checkpoint import Subject, without_nodes
 from ..io.checkpoints import Checkpoints, Place, State, number
 from ..io.given_arguments import GivenArguments
 from ..io.signature import Signature
-
-if TYPE_CHECKING:
-    from .problem import StaticProblem
+from ..materials import MaterialMap, _Material
+from .linear_solver import LinearSolver
 
 
 @dataclass
@@ -36,14 +38,56 @@ class Solves:
     under_way: bool = False
 
 
+class SavedStatics(Protocol):
+    """A static problem as checkpoints see it.
+
+    Attributes:
+        u: displacement [L].
+        space: displacement space.
+        material: material of the bodies; None with a residual of the user's own.
+        residual_form: that residual, or None.
+        axisymmetric: whether x is the radius.
+        fixed: mask of prescribed degrees of freedom, owned and ghosts.
+        num_owned: number of degrees of freedom that this rank owns [1].
+        linear_solver: solver of the linear systems.
+        solves: how far the problem has come.
+    """
+
+    u: Function
+    space: FunctionSpace
+    material: _Material | MaterialMap | None
+    residual_form: ufl.Form | None
+    axisymmetric: bool
+    fixed: BoolArray
+    num_owned: int
+    linear_solver: LinearSolver
+    solves: Solves
+
+    @property
+    def loads(self) -> Sequence[Any]:
+        """Loads."""
+
+    @property
+    def contact(self) -> Sequence[Any]:
+        """Contacts with their results."""
+
+    @property
+    def has_history(self) -> bool:
+        """Whether a material has internal variables."""
+
+    @property
+    def history(self) -> MaterialHistory:
+        """Internal variables of the materials."""
+
+
 class StaticRestart(Checkpoints):
     """Saves and restores a static problem; see StaticProblem.save and restore.
 
     Args:
-        problem: StaticProblem.
+        problem: the problem.
     """
 
-    def __init__(self, problem: StaticProblem) -> None:
+    def __init__(self, problem: SavedStatics) -> None:
         super().__init__(Subject(problem.space, self._signature, self._supports))
         self.problem = problem
 
