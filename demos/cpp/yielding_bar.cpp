@@ -23,7 +23,7 @@ constexpr double length = 1.0, width = 0.005, velocity = 15.0; // [m], [m], [m/s
 bool run()
 {
   auto mesh = std::make_shared<mesh::Mesh<double>>(mesh::create_box<double>(
-      MPI_COMM_WORLD, {{{0.0, 0.0, 0.0}, {length, width, width}}}, {200, 1, 1}, mesh::CellType::hexahedron));
+      MPI_COMM_WORLD, {{{0.0, 0.0, 0.0}, {length, width, width}}}, {100, 1, 1}, mesh::CellType::hexahedron));
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::hexahedron, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
@@ -56,7 +56,7 @@ bool run()
   problems::NewmarkProblem bar(u, v, body, supports, {}, {}, options);
   const double fast = std::sqrt(E / density), slow = std::sqrt(E * modulus / (E + modulus) / density);
   const double until = 0.7 * length / fast;
-  bar.advance(until, {.dt = length / 200 / fast});
+  bar.advance(until, {.dt = length / 100 / fast});
 
   // Speed behind the elastic wave and stress behind the plastic one, from the balance of momentum.
   const double elastic = yield_stress / (density * fast);

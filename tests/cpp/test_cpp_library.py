@@ -73,7 +73,7 @@ def test_demo_runs(program, ranks):
 
 
 # What each prints, the number it must be, and how near: round-off of some hundred unknowns; Hertz's bodies are half
-# spaces, those of the demo are ten half-widths large; waves on meshes of 200 cells.
+# spaces, those of the demo are ten half-widths large; waves on meshes of 200 and 100 cells.
 CHECKS = {
     "penalty_friction": [
         (r"normal force / exact = (\S+)", 1.0, 1e-9),
