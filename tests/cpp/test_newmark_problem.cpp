@@ -188,6 +188,11 @@ TEST_CASE("what does not fit is refused, and a callback that throws leaves the l
   CHECK_THROWS_AS(problems::implicit_body(b.u, b.v, {{{"linear_elastic", {}, "plane_strain"}, 0.0}},
                                           problems::prescribed_dofs(*b.V, std::vector<problems::PrescribedMotion>{})),
                   std::invalid_argument);
+  CHECK_THROWS_AS(problems::implicit_body(b.u, nullptr, {{{"linear_elastic", {}, "plane_strain"}, 1.0}},
+                                          std::vector<std::int8_t>(40, 0), {.beta = 1.0}),
+                  std::invalid_argument);
+  for (const problems::LoadInTime& load : {problems::LoadInTime{{40}, {1.0}}, problems::LoadInTime{{0, 1}, {1.0}}})
+    CHECK_THROWS_AS(problems::NewmarkProblem(b.u, b.v, b.body(), {}, {load}), std::invalid_argument);
   problems::NewmarkProblem problem(b.u, b.v, b.body());
   CHECK_THROWS_AS(problem.advance(1.0, {.dt = 0.0}), dolfinx_impact::common::BadValue);
   CHECK_THROWS_AS(problem.advance(1.0, {.dt = 0.1, .smallest = 0.2}), dolfinx_impact::common::BadValue);

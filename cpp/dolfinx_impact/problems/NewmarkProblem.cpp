@@ -33,6 +33,9 @@ public:
     {
       if (load.dofs.size() != load.values.size())
         throw std::invalid_argument("a load has another number of values than degrees of freedom");
+      const auto owned = [n = std::int32_t(_body->forces().size())](std::int32_t dof) { return dof >= 0 && dof < n; };
+      if (!std::ranges::all_of(load.dofs, owned))
+        throw std::invalid_argument("a load is on degrees of freedom that this rank does not own");
       if (load.amplitude && load.amplitude->size() != 1)
         throw std::invalid_argument("the amplitude of a load is a number");
       _columns.push_back(load.amplitude ? functions.add(*load.amplitude) : -1);
@@ -118,7 +121,10 @@ NewmarkProblem::NewmarkProblem(std::shared_ptr<Function> u, std::shared_ptr<Func
   for (const ImplicitContact& c : contacts)
     pairs.push_back(c.contact);
   _equilibrium = make_equilibrium(_u, moving, std::move(pairs), _supports.mask(), options.solver, "impact_implicit_");
-  auto excitation = std::make_shared<TimeExcitation>(comm(), _functions, _supports, loaded, loads, contacts);
+  std::shared_ptr<TimeExcitation> excitation;
+  common::agree(
+      comm(),
+      [&] { excitation = std::make_shared<TimeExcitation>(comm(), _functions, _supports, loaded, loads, contacts); });
   _stepper = std::make_unique<integrators::ImplicitStepper>(_equilibrium, moving, options.scheme, excitation,
                                                             _body.mass, _v, _a);
   _stepper->enter_contact();

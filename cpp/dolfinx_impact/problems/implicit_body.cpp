@@ -121,6 +121,8 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
                            const std::vector<DynamicMaterial>& materials, std::span<const std::int8_t> fixed,
                            const ImplicitBodyOptions& options, const dolfinx::mesh::MeshTags<std::int32_t>* tags)
 {
+  if (options.beta > 0.0 && !v)
+    throw std::invalid_argument("stiffness-proportional damping reads the velocity: give its function");
   const auto V = u->function_space();
   const auto& dofmap = *V->dofmap();
   const int bs = dofmap.bs();

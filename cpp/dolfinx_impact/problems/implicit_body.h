@@ -32,7 +32,8 @@ struct ImplicitBodyOptions
 
 /// Bodies of materials whose kernels are in the table (kernels::find). Collective.
 /// @param[in] u displacement, the kernels' coefficient of this name
-/// @param[in] v velocity, which damping reads; the one that the problem is given
+/// @param[in] v velocity, which damping reads; the one that the problem is given. Null: there is no damping by
+/// stiffness
 /// @param[in] fixed mask of prescribed degrees of freedom, owned and ghosts (prescribed_dofs)
 /// @param[in] tags of cells, for materials that name theirs; null: there is one material
 /// @throws std::runtime_error if there are no kernels for this mesh, degree and hypothesis
