@@ -223,20 +223,38 @@ void bind_active_sets(nb::module_& m)
 
 void bind_newton(nb::module_& m)
 {
+  nb::class_<BodyProperties>(m, "BodyProperties", "What is known of bodies beforehand")
+      .def(
+          "__init__",
+          [](BodyProperties* self, bool linear, bool keeps_tangent, bool symmetric, bool inelastic, bool has_inertia,
+             bool has_springs, bool rounds_positions)
+          {
+            new (self)
+                BodyProperties{linear, keeps_tangent, symmetric, inelastic, has_inertia, has_springs, rounds_positions};
+          },
+          nb::kw_only(), nb::arg("linear") = false, nb::arg("keeps_tangent") = false, nb::arg("symmetric") = true,
+          nb::arg("inelastic") = false, nb::arg("has_inertia") = false, nb::arg("has_springs") = false,
+          nb::arg("rounds_positions") = false)
+      .def_ro("linear", &BodyProperties::linear, "The tangent does not change with the displacement")
+      .def_ro("keeps_tangent", &BodyProperties::keeps_tangent, "It does not change with time either")
+      .def_ro("symmetric", &BodyProperties::symmetric, "The tangent is symmetric")
+      .def_ro("inelastic", &BodyProperties::inelastic, "There are internal variables")
+      .def_ro("has_inertia", &BodyProperties::has_inertia, "Inertia holds the bodies")
+      .def_ro("has_springs", &BodyProperties::has_springs, "Springs to the ground may hold the bodies")
+      .def_ro("rounds_positions", &BodyProperties::rounds_positions, "Round-off of positions enters the forces");
   nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent")
       .def("residual", &Body::residual, nb::rv_policy::reference, "Borrowed until the next call. Collective")
       .def("tangent", &Body::tangent, nb::rv_policy::reference, "Borrowed until the next call. Collective")
       .def("fault", &Body::fault, "Why the last residual could not be computed. Collective")
       .def("accept_step", &Body::accept_step, "The state of the last residual is what the next step begins from")
       .def("stored_energy", &Body::stored_energy, "None: it is not known. Collective")
-      .def_prop_ro("rounds_positions", &Body::rounds_positions);
+      .def_prop_ro("properties", &Body::properties, nb::rv_policy::copy, "What is known of them");
   nb::class_<FunctionBody, Body>(m, "FunctionBody", "Bodies whose residual and tangent are functions")
       .def(
           "__init__",
           [](FunctionBody* self, nb::callable residual, nb::callable tangent, std::function<std::string()> fault,
              std::function<void()> accept_step, std::optional<nb::callable> origin,
-             std::function<std::optional<double>()> stored_energy, bool linear, bool keeps_tangent, bool symmetric,
-             bool inelastic, bool has_inertia, bool has_springs, bool rounds_positions)
+             std::function<std::optional<double>()> stored_energy, BodyProperties properties)
           {
             FunctionBody::Functions functions{[residual] { return as_petsc<Vec>(residual()); },
                                               [tangent] { return as_petsc<Mat>(tangent()); },
@@ -246,13 +264,10 @@ void bind_newton(nb::module_& m)
                                               std::move(stored_energy)};
             if (origin)
               functions.origin = [origin = *origin] { return copy_of(nb::cast<Values>(origin())); };
-            new (self) FunctionBody(std::move(functions), {linear, keeps_tangent, symmetric, inelastic, has_inertia,
-                                                           has_springs, rounds_positions});
+            new (self) FunctionBody(std::move(functions), properties);
           },
           nb::arg("residual"), nb::arg("tangent"), nb::arg("fault").none(), nb::arg("accept_step").none(),
-          nb::arg("origin").none(), nb::arg("stored_energy").none(), nb::arg("linear"), nb::arg("keeps_tangent"),
-          nb::arg("symmetric"), nb::arg("inelastic"), nb::arg("has_inertia"), nb::arg("has_springs"),
-          nb::arg("rounds_positions"));
+          nb::arg("origin").none(), nb::arg("stored_energy").none(), nb::arg("properties"));
   nb::class_<EquilibriumProblem>(m, "EquilibriumProblem", "Bodies and contacts in equilibrium")
       .def(
           "__init__",

@@ -130,7 +130,7 @@ class RollingNewton:
                 contact.turn_to_normals()
                 contact.update_matrices()
                 contact.slip_velocity = contact.tangential(contact.relative_velocity(p.u.x.array[: self.num_owned]))
-            if K is None or not p.body.linear or self.control:  # with a control, W changes with the spin
+            if K is None or not p.body.properties.linear or self.control:  # with a control, W changes with the spin
                 K = p.tangent.assemble()
             for contact in self.contacts:
                 contact.update_nodal_stiffness(K)

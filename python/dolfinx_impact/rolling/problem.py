@@ -126,7 +126,9 @@ class RollingProblem(Unique):
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
-        self._transport = Transport(self._equilibrium, self._flow) if self._equilibrium.body.inelastic else None
+        self._transport = (
+            Transport(self._equilibrium, self._flow) if self._equilibrium.body.properties.inelastic else None
+        )
         self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
         self._reduced: ReducedContacts | None = None
         if self._rubs:
@@ -438,9 +440,9 @@ class RollingProblem(Unique):
     def _check_speed(self, bring_back: Callable[[], None]) -> None:
         """Raise RuntimeError, with the earlier state, beyond the critical speed. Collective."""
         p, rates = self._equilibrium, np.concatenate([np.abs(np.ravel(r)) for r in self._flow.reached()])
-        if p.body.linear and self._safe is not None and np.all(rates <= self._safe):
+        if p.body.properties.linear and self._safe is not None and np.all(rates <= self._safe):
             return  # W grows with the rates: slower bodies with the same stiffness are stable as well
-        if p.body.linear:
+        if p.body.properties.linear:
             # Looking beyond the present rates spares the factors that each point of a rising creep curve would need.
             self._flow.scale(AHEAD)
             beyond = stability.negative_directions(p)
