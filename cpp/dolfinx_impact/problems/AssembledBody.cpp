@@ -93,6 +93,14 @@ void AssembledBody::accept_step()
     f.force->commit();
 }
 
+void AssembledBody::set_energies(std::vector<KernelForce> energies,
+                                 const std::vector<std::shared_ptr<dolfinx::fem::Function<double>>>& functions)
+{
+  _kernels.functions.insert(_kernels.functions.end(), functions.begin(), functions.end());
+  _kernels.energies = std::move(energies);
+  _kernels.energy_is_known = true;
+}
+
 std::optional<double> AssembledBody::stored_energy()
 {
   if (!_kernels.energy_is_known)

@@ -59,6 +59,10 @@ public:
   /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
   std::optional<double> stored_energy() override;
 
+  /// Say what stores energy beside laws with internal variables: with these, all energy is known.
+  /// @param[in] functions that they read, whose ghosts are updated before every call
+  void set_energies(std::vector<KernelForce> energies,
+                    const std::vector<std::shared_ptr<dolfinx::fem::Function<double>>>& functions = {});
   /// External forces at owned and ghost degrees of freedom, zero at first; ghosts are not read [F].
   std::vector<double>& loads() { return _loads; }
   /// Operators of the residual by kernels, which keep the internal variables.
