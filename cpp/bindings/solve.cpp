@@ -3,6 +3,7 @@
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/solve/FunctionBody.h"
 #include "dolfinx_impact/solve/Increment.h"
+#include "dolfinx_impact/solve/IncrementSolver.h"
 #include "dolfinx_impact/solve/LinearSolver.h"
 #include "dolfinx_impact/solve/LinearSystem.h"
 #include "dolfinx_impact/solve/LoadSteps.h"
@@ -158,9 +159,28 @@ void bind_increment(nb::module_& m)
           [](Increment& self, const std::vector<bool>& closed) { self.closed.assign(closed.begin(), closed.end()); });
 }
 
+/// NumPy mask with a copy of a vector.
+nb::object mask_of(const std::vector<std::int8_t>& values)
+{
+  auto* out = new bool[values.size()];
+  std::copy(values.begin(), values.end(), out);
+  const nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, bool, nb::ndim<1>>(out, {values.size()}, owner));
+}
+
 std::vector<double> copy_of(const Values& values)
 {
   return {values.data(), values.data() + values.size()};
+}
+
+/// Times by the names of their parts.
+nb::dict by_part(const SolveSeconds& seconds)
+{
+  nb::dict out;
+  out["bodies"] = seconds.bodies;
+  out["contact"] = seconds.contact;
+  out["linear"] = seconds.linear;
+  return out;
 }
 
 /// Exchanges whom Newton's method tells what it does, as long as it lives.
@@ -270,7 +290,12 @@ void bind_newton(nb::module_& m)
              return "EquilibriumProblem(" + std::to_string(size) + " unknowns, " +
                     std::to_string(self.contacts.size()) + " contacts)";
            })
-      .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; });
+      .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; })
+      .def_prop_ro("linear_solver", [](const EquilibriumProblem& self) { return self.linear_solver; })
+      .def_prop_ro("fixed", [](const EquilibriumProblem& self) { return mask_of(self.fixed); })
+      .def_ro("fields", &EquilibriumProblem::fields)
+      .def_ro("keeps_multipliers", &EquilibriumProblem::keeps_multipliers)
+      .def_ro("exact_tangent", &EquilibriumProblem::exact_tangent);
   nb::class_<NewtonOptions>(m, "NewtonOptions", "Tolerances and limits of Newton's method")
       .def(nb::init<>())
       .def_rw("rtol", &NewtonOptions::rtol)
@@ -321,16 +346,32 @@ void bind_newton(nb::module_& m)
       .def_prop_ro("has_multipliers", &Newton::has_multipliers)
       .def_prop_rw(
           "seconds",
-          [](const Newton& self)
-          {
-            nb::dict out;
-            out["bodies"] = self.seconds.bodies;
-            out["contact"] = self.seconds.contact;
-            out["linear"] = self.seconds.linear;
-            return out;
-          },
+          [](const Newton& self) { return by_part(self.seconds); },
           [](Newton& self, const std::map<std::string, double>& seconds)
           { self.seconds = {seconds.at("bodies"), seconds.at("contact"), seconds.at("linear")}; });
+  nb::class_<IncrementSolver>(m, "IncrementSolver", "Solves increments by the SNES that PETSc's options choose")
+      .def(
+          "__init__",
+          [](IncrementSolver* self, std::shared_ptr<const EquilibriumProblem> problem, double rtol, double atol,
+             int max_iterations, std::function<void(const std::string&)> log,
+             std::function<void(const std::string&)> progress,
+             std::function<void(int, double, double, std::int64_t, std::int64_t)> iteration)
+          {
+            NewtonOptions options;
+            options.rtol = rtol;
+            options.atol = atol;
+            options.max_iterations = max_iterations;
+            new (self) IncrementSolver(std::move(problem), options,
+                                       {std::move(log), std::move(progress), std::move(iteration)});
+          },
+          nb::arg("problem"), nb::arg("rtol"), nb::arg("atol"), nb::arg("max_iterations"), nb::arg("log").none(),
+          nb::arg("progress").none(), nb::arg("iteration").none(), "Collective")
+      .def(
+          "run", [](IncrementSolver& self, Values target) { return self.run(view(target)); }, nb::arg("target"),
+          "Solve from the present displacements to prescribed values. Collective")
+      .def("forget", &IncrementSolver::forget, "Forget what was kept from earlier increments. Collective")
+      .def("free", &IncrementSolver::free, "Give back the memory of PETSc's objects. Collective")
+      .def("tell_nobody", &IncrementSolver::tell_nobody, "Forget the functions that are told");
   m.def(
       "open_contacts", [](const EquilibriumProblem& problem, const std::vector<bool>& closed)
       { return open_contacts(problem, std::vector<std::int8_t>(closed.begin(), closed.end())); }, nb::arg("problem"),
@@ -346,8 +387,6 @@ void bind_newton(nb::module_& m)
       "What is missing to equilibrium, in words; None if nothing is. Collective");
 }
 
-typedef nb::ndarray<double, nb::c_contig, nb::device::cpu> Changeable;
-
 void bind_load_steps(nb::module_& m)
 {
   nb::class_<LoadStepReport>(m, "LoadStepReport", "Course of a solve; lists are copies")
@@ -360,27 +399,8 @@ void bind_load_steps(nb::module_& m)
       .def_ro("cut_backs", &LoadStepReport::cut_backs)
       .def_ro("rejected_iterations", &LoadStepReport::rejected_iterations)
       .def_ro("unsettled", &LoadStepReport::unsettled)
-      .def_ro("lost", &LoadStepReport::lost);
-  m.def(
-      "run_load_steps",
-      [](std::shared_ptr<const EquilibriumProblem> problem, Values target,
-         const std::vector<std::pair<Changeable, Changeable>>& loads, std::vector<LoadSteps::Displacement> obstacles,
-         std::function<Increment(nb::object)> solver, int steps, int cut_backs,
-         std::function<void(const std::string&)> log, std::function<void(int, double, double)> begins,
-         std::function<void(double)> accepted)
-      {
-        std::vector<Ramp> ramps;
-        for (const auto& [value, reached] : loads)
-          ramps.push_back({{value.data(), value.size()}, {reached.data(), reached.size()}});
-        LoadSteps all(std::move(problem), copy_of(target), std::move(ramps), std::move(obstacles),
-                      {std::move(log), std::move(begins), std::move(accepted)});
-        return all.run([&](std::span<const double> goal)
-                       { return solver(nb::cast(take(std::vector<double>(goal.begin(), goal.end())))); },
-                       {steps, cut_backs});
-      },
-      nb::arg("problem"), nb::arg("target"), nb::arg("loads"), nb::arg("obstacles"), nb::arg("solver"),
-      nb::arg("steps"), nb::arg("cut_backs"), nb::arg("log"), nb::arg("begins"), nb::arg("accepted"),
-      "Solve all increments of a load step. Collective");
+      .def_ro("lost", &LoadStepReport::lost)
+      .def_prop_ro("seconds", [](const LoadStepReport& self) { return by_part(self.seconds); });
 }
 
 void bind_rigid_body_modes(nb::module_& m)

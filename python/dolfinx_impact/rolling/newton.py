@@ -92,11 +92,6 @@ class RollingNewton:
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
 
     @property
-    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
-        """The problem as C++ sees it."""
-        return self._frictionless.equilibrium
-
-    @property
     def seconds(self) -> dict[str, float]:
         """Time by part, as in Newton [s]."""
         return self._frictionless.seconds

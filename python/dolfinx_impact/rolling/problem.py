@@ -29,7 +29,7 @@ from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..common.interrupts import Interrupts
 from ..statics.linear_solver import LinearSolver
-from ..statics.load_steps import run_steps
+from ..statics.load_steps import run_steps_by
 from ..statics.problem import Report, StaticProblem
 from . import frequencies, inputs, revolution, stability, sweep
 from .contact import RollingContact, RollingLagrange
@@ -277,7 +277,7 @@ class RollingProblem(Unique):
                 return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose, progress=False)
             with Interrupts(self.u.function_space.mesh.comm) as interrupts:
                 solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
-                report = run_steps(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
+                report = run_steps_by(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
                 if torque is not None:
                     self._find_spin(solver, torque, report, verbose)
                 interrupts.check()
@@ -408,7 +408,7 @@ class RollingProblem(Unique):
         solver.control = TorqueControl(self._equilibrium, self._flow, spin, self._torque, torque)
         found = False
         try:
-            added = run_steps(self._equilibrium, solver, 1, 0, verbose)
+            added = run_steps_by(self._equilibrium, solver, 1, 0, verbose)
             found = True
         finally:
             if not found:
