@@ -110,14 +110,31 @@ std::optional<double> AssembledBody::stored_energy()
   return sum;
 }
 
+/// Internal variables of each integral that has some.
+operators::Histories AssembledBody::histories() const
+{
+  operators::Histories out;
+  for (const KernelForce& f : _kernels.forces)
+    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
+      if (const auto& history = f.force->history(i))
+        out.push_back(history);
+  return out;
+}
+
 state::State AssembledBody::state()
 {
   state::State out("bodies");
   int number = 0;
-  for (const KernelForce& f : _kernels.forces)
-    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
-      if (const auto& history = f.force->history(i))
-        out.add(history->state("history " + std::to_string(number++)));
+  for (const auto& history : histories())
+    out.add(history->state("history " + std::to_string(number++)));
   return out;
 }
+
+state::State AssembledBody::saved_state()
+{
+  const auto topology = _u->function_space()->mesh()->topology();
+  return operators::saved_history(histories(), topology->index_map(topology->dim())->size_local());
+}
+
+void AssembledBody::resume(const state::State& saved) { operators::resume_history(histories(), saved); }
 } // namespace dolfinx_impact::problems

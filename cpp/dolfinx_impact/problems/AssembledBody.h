@@ -2,6 +2,7 @@
 #pragma once
 #include "../operators/InternalForce.h"
 #include "../operators/KernelTangent.h"
+#include "../operators/saved_history.h"
 #include "../solve/Body.h"
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/la/Vector.h>
@@ -53,6 +54,8 @@ public:
   std::string fault() override;
   void accept_step() override;
   state::State state() override;
+  state::State saved_state() override;
+  void resume(const state::State& saved) override;
   /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
   std::optional<double> stored_energy() override;
 
@@ -65,6 +68,7 @@ public:
 
 private:
   void update_ghosts();
+  operators::Histories histories() const;
 
   std::shared_ptr<dolfinx::fem::Function<double>> _u;
   Form _form;
