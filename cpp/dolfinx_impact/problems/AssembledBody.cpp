@@ -30,7 +30,7 @@ void set_constants(Operator& target, const std::vector<Constants>& constants)
 AssembledBody::AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
                              std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
                              BodyKernels kernels)
-    : _u(std::move(u)), _form(std::move(residual)), _tangent(std::move(tangent)), _properties(properties),
+    : Body(properties), _u(std::move(u)), _form(std::move(residual)), _tangent(std::move(tangent)),
       _kernels(std::move(kernels)),
       _values(_u->function_space()->dofmap()->index_map, _u->function_space()->dofmap()->index_map_bs())
 {
@@ -93,6 +93,14 @@ void AssembledBody::accept_step()
     f.force->commit();
 }
 
+void AssembledBody::set_energies(std::vector<KernelForce> energies,
+                                 const std::vector<std::shared_ptr<dolfinx::fem::Function<double>>>& functions)
+{
+  _kernels.functions.insert(_kernels.functions.end(), functions.begin(), functions.end());
+  _kernels.energies = std::move(energies);
+  _kernels.energy_is_known = true;
+}
+
 std::optional<double> AssembledBody::stored_energy()
 {
   if (!_kernels.energy_is_known)
@@ -110,14 +118,31 @@ std::optional<double> AssembledBody::stored_energy()
   return sum;
 }
 
+/// Internal variables of each integral that has some.
+operators::Histories AssembledBody::histories() const
+{
+  operators::Histories out;
+  for (const KernelForce& f : _kernels.forces)
+    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
+      if (const auto& history = f.force->history(i))
+        out.push_back(history);
+  return out;
+}
+
 state::State AssembledBody::state()
 {
   state::State out("bodies");
   int number = 0;
-  for (const KernelForce& f : _kernels.forces)
-    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
-      if (const auto& history = f.force->history(i))
-        out.add(history->state("history " + std::to_string(number++)));
+  for (const auto& history : histories())
+    out.add(history->state("history " + std::to_string(number++)));
   return out;
 }
+
+state::State AssembledBody::saved_state()
+{
+  const auto topology = _u->function_space()->mesh()->topology();
+  return operators::saved_history(histories(), topology->index_map(topology->dim())->size_local());
+}
+
+void AssembledBody::resume(const state::State& saved) { operators::resume_history(histories(), saved); }
 } // namespace dolfinx_impact::problems

@@ -2,6 +2,7 @@
 #pragma once
 #include "../operators/InternalForce.h"
 #include "../operators/KernelTangent.h"
+#include "../operators/saved_history.h"
 #include "../solve/Body.h"
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/la/Vector.h>
@@ -53,16 +54,15 @@ public:
   std::string fault() override;
   void accept_step() override;
   state::State state() override;
+  state::State saved_state() override;
+  void resume(const state::State& saved) override;
   /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
   std::optional<double> stored_energy() override;
-  bool linear() const override { return _properties.linear; }
-  bool keeps_tangent() const override { return _properties.keeps_tangent; }
-  bool symmetric() const override { return _properties.symmetric; }
-  bool inelastic() const override { return _properties.inelastic; }
-  bool has_inertia() const override { return _properties.has_inertia; }
-  bool has_springs() const override { return _properties.has_springs; }
-  bool rounds_positions() const override { return _properties.rounds_positions; }
 
+  /// Say what stores energy beside laws with internal variables: with these, all energy is known.
+  /// @param[in] functions that they read, whose ghosts are updated before every call
+  void set_energies(std::vector<KernelForce> energies,
+                    const std::vector<std::shared_ptr<dolfinx::fem::Function<double>>>& functions = {});
   /// External forces at owned and ghost degrees of freedom, zero at first; ghosts are not read [F].
   std::vector<double>& loads() { return _loads; }
   /// Operators of the residual by kernels, which keep the internal variables.
@@ -72,11 +72,11 @@ public:
 
 private:
   void update_ghosts();
+  operators::Histories histories() const;
 
   std::shared_ptr<dolfinx::fem::Function<double>> _u;
   Form _form;
   std::shared_ptr<operators::KernelTangent> _tangent;
-  solve::BodyProperties _properties;
   BodyKernels _kernels;
   dolfinx::la::Vector<double> _values;
   std::vector<double> _loads;
