@@ -462,13 +462,12 @@ void bind_explicit(nb::module_& m)
       .def("hand_over", &SpringStart::hand_over, "Give the springs the nodal forces of the equilibrium. Collective");
   m.def(
       "start_from_equilibrium",
-      [](ExplicitProblem& problem, const std::vector<std::shared_ptr<const StaticContact>>& contacts,
-         nb::object observer)
+      [](ExplicitProblem& problem, const dolfinx_impact::solve::EquilibriumProblem& equilibrium, nb::object observer)
       {
         PythonObserver told(std::move(observer));
-        return all_ranks([&] { start_from_equilibrium(problem, contacts, told); });
+        return all_ranks([&] { start_from_equilibrium(problem, equilibrium, told); });
       },
-      nb::arg("problem"), nb::arg("contacts"), nb::arg("observer"),
+      nb::arg("problem"), nb::arg("equilibrium"), nb::arg("observer"),
       "Begin from an equilibrium with contact; what all ranks throw, or None. Collective");
   m.def("released_message", &released_message, nb::arg("released"), nb::arg("limit"), nb::arg("go_on"));
   m.attr("start_strain") = start_strain;

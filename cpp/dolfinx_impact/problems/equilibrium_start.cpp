@@ -1,21 +1,38 @@
 // SPDX-License-Identifier: MIT
 #include "equilibrium_start.h"
 #include "../common/gather.h"
+#include "../operators/saved_history.h"
 #include "SpringStart.h"
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace dolfinx_impact::problems
 {
-void start_from_equilibrium(ExplicitProblem& problem,
-                            const std::vector<std::shared_ptr<const enforcement::StaticContact>>& contacts,
+namespace
+{
+/// Internal variables of the bodies.
+operators::Histories histories_of(const ExplicitBody& body)
+{
+  operators::Histories out;
+  for (const auto& force : {body.internal.inner, body.internal.outer})
+    for (std::size_t i = 0; i < force->num_integrals(); ++i)
+      if (auto history = force->history(i))
+        out.push_back(std::move(history));
+  return out;
+}
+} // namespace
+
+void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumProblem& equilibrium,
                             RunObserver& observer)
 {
+  const auto& contacts = equilibrium.contacts;
   if (contacts.size() != problem.contacts().size())
     throw std::invalid_argument("the equilibrium has " + std::to_string(contacts.size()) +
                                 " contacts, the explicit problem " + std::to_string(problem.contacts().size()));
+  operators::resume_history(histories_of(problem.body()), equilibrium.body->saved_state());
   MPI_Comm comm = problem.displacement()->function_space()->mesh()->comm();
   const auto u = problem.displacement();
   std::vector<SpringStart> starts;
@@ -40,10 +57,9 @@ void start_from_equilibrium(ExplicitProblem& problem,
   problem.start(observer);
 }
 
-void start_from_equilibrium(ExplicitProblem& problem,
-                            const std::vector<std::shared_ptr<const enforcement::StaticContact>>& contacts)
+void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumProblem& equilibrium)
 {
   RunObserver nobody;
-  start_from_equilibrium(problem, contacts, nobody);
+  start_from_equilibrium(problem, equilibrium, nobody);
 }
 } // namespace dolfinx_impact::problems

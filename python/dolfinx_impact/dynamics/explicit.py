@@ -285,12 +285,12 @@ class ExplicitProblem(Unique):
         one that was taken [T]."""
         return float(self._cpp_object.integrator.contact_step)
 
-    def restart_forces(self, equilibrium: Sequence[Any] = ()) -> None:
-        """Compute the forces of the start once more, after contacts or materials have got a history. Collective.
+    def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
+        """Compute the forces of the start once more, after contacts have got a history. Collective.
 
         Args:
-            equilibrium: static contacts whose forces the springs begin with; bodies that press are moved against their
-                master for it.
+            equilibrium: bodies and contacts in equilibrium, whose internal variables the materials and whose forces the
+                springs begin with; bodies that press are moved against their master for it. None: there is none.
 
         Raises:
             RuntimeError: the springs do not bear the static force; on all ranks.

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Stable steps of explicit integration: seed (3.78)-(3.80), docs/explicit/stable_step.md."""
 
-import math
 import warnings
 from collections.abc import Callable
 from typing import TypeAlias
@@ -210,15 +209,3 @@ class Frequencies:
                         "half a step late it feeds in energy, which energy['damping'] tells",
                         stacklevel=4,
                     )
-
-    def bound(self) -> float:
-        """Upper bound of the angular frequencies of the body. Collective.
-
-        Returns:
-            Angular frequency [1/T].
-
-        Raises:
-            ValueError: the stiffness of a cell is not finite; on all ranks.
-        """
-        largest = float(np.max(self.by_cell()[0], initial=0.0))
-        return math.sqrt(self.comm.allreduce(largest, MPI.MAX))

@@ -10,7 +10,6 @@ from dolfinx import fem
 
 from ..assembly import problem_arguments
 from ..contact.penalty.penalty import Penalty
-from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem
 from .started_problem import StartedProblem
 
@@ -53,11 +52,8 @@ def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict
         given: further arguments of the explicit problem.
     """
     V = static.u.function_space
-    history = State("history")
-    add_history(history, static)
     u = fem.Function(V, name=static.u.name)
     u.x.array[:] = static.u.x.array
     problem = kind(u, static.material, **{"velocity": fem.Function(V, name="velocity"), **given})
-    set_history(history, problem)
-    problem.restart_forces(static.contact)
+    problem.restart_forces(static.equilibrium)
     return problem

@@ -6,8 +6,7 @@ from __future__ import annotations
 import contextlib
 import warnings
 import zlib
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 from dolfinx.mesh import Mesh
@@ -122,22 +121,21 @@ class TimeStepper:
         """Frequencies of the cells of bodies whose stiffness depends on the displacement; None: it does not."""
         return self._cpp_object.safe_step.watch
 
-    def start(self, equilibrium: Sequence[Any] = ()) -> None:
+    def start(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
         """Compute the forces of the start, from the functions of displacement and velocity. Collective.
 
         Args:
-            equilibrium: static contacts whose forces springs begin with; see ExplicitProblem.restart_forces.
+            equilibrium: what materials and springs begin with; see ExplicitProblem.restart_forces.
 
         Raises:
             ValueError: bodies overlap too much; on all ranks.
             RuntimeError: springs do not bear the static force; on all ranks.
         """
         self.state.share.begin_anew()
-        if equilibrium:
-            contacts = [c._cpp_object for c in equilibrium]
-            self._raise(_cpp.problems.start_from_equilibrium(self._cpp_object, contacts, self))
-        else:
+        if equilibrium is None:
             self._raise(self._cpp_object.start(self))
+        else:
+            self._raise(_cpp.problems.start_from_equilibrium(self._cpp_object, equilibrium, self))
         self.state.update()
 
     def resume(self, saved: _cpp.state.State, schedule: StepSchedule | None) -> None:

@@ -41,9 +41,9 @@ public:
   /// @param[in] slave, master this rank's facets (make_surface)
   /// @throws std::invalid_argument on all ranks for options out of range, facets of another space
   NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
-              const NodePenaltyOptions& options);
+              const NodePenaltyOptions& options = {});
   NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
-              const NodePenaltyOptions& options);
+              const NodePenaltyOptions& options = {});
 
   void add_forces(const NodalState& state, std::span<double> f) override;
   std::span<const std::int32_t> needs(operators::Halo& all) override;

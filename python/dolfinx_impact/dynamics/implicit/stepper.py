@@ -164,7 +164,11 @@ class ImplicitStepper(Described):
             length = known.length
         expected = max(1, math.ceil((until - self.time) / length))
         schedule = StepSchedule(self.time, until, self.step, self.step + expected)
-        with self.calls.running(), Interrupts(self.comm) as interrupts, ProgressBar(self.comm, schedule, progress) as bar:
+        with (
+            self.calls.running(),
+            Interrupts(self.comm) as interrupts,
+            ProgressBar(self.comm, schedule, progress) as bar,
+        ):
 
             def iteration(i: int, norm: float, scale: float, size: int, changes: int) -> None:
                 log.iteration(i, norm, scale, size, changes)
