@@ -49,7 +49,7 @@ def contact_in_time(contact: NodalResult, functions: FunctionsOfTime) -> _cpp.pr
     if contact.motion is not None:
         functions.add(contact.motion)
         start = contact.motion.sample(np.zeros(1))[0]
-    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.spring_frequency())
+    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start)
 
 
 def implicit_contact(
