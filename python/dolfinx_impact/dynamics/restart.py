@@ -56,6 +56,7 @@ class Restart(Checkpoints):
 
     more = ("schedule", "functions of time", *TABLES)
     equal = ("common",)
+    infinite = ("common", "results")  # a step that nothing limits, gaps of nodes without a master
 
     def __init__(self, problem: StartedProblem, stepper: TimeStepper) -> None:
         super().__init__(in_time(problem))

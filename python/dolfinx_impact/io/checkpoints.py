@@ -16,10 +16,9 @@ from ..common import arguments
 from ..common.collective import agree, attempt, guard
 from ..common.interrupts import Interrupts
 from ..common.types import AnyArray, FilePath
-from . import state_file
-from .checkpoint import Attribute, Subject
+from . import checkpoint
+from .checkpoint import Attribute, Place, State, Subject
 from .signature import Functions, functions_of_time
-from .state_file import Place, State
 
 SAME = 1e-12  # relative tolerance for values of functions of time: another library version may round differently
 
@@ -52,10 +51,12 @@ class Checkpoints(abc.ABC):
     Attributes:
         more: names of the attributes beside the state.
         equal: names of the state's vectors of ranks that are equal on all ranks.
+        infinite: names, up to digits at their ends, of parts and fields that may have infinite values.
     """
 
     more: ClassVar[Sequence[str]] = ()
     equal: ClassVar[Sequence[str]] = ()
+    infinite: ClassVar[Sequence[str]] = ()
 
     def __init__(self, subject: Subject) -> None:
         self.subject, self.comm = subject, subject.space.mesh.comm
@@ -76,7 +77,7 @@ class Checkpoints(abc.ABC):
             arguments.path("path", path)
             self._check_kind("save")
         with Interrupts(self.comm) as interrupts:
-            state_file.write(path, self.subject, self._state(), self._attributes())
+            checkpoint.write(path, self.subject, self._state(), self._attributes())
             self._forget()
             for recorder in self._recorders():
                 recorder.flush()
@@ -98,7 +99,9 @@ class Checkpoints(abc.ABC):
             arguments.path("path", path)
             self._check_kind("restore")
         with Interrupts(self.comm) as interrupts:
-            saved, attributes = state_file.read(path, self.subject, self._like(), self.more, self.equal)
+            saved, attributes = checkpoint.read(
+                path, self.subject, self._like(), self.more, self.equal, self.infinite
+            )
             checked, error = attempt(self._check, path, saved, attributes)
             agree(self.comm, error, "restore")
             self._apply(saved, attributes, checked)
