@@ -122,8 +122,7 @@ void dolfinx_impact::bindings::files(nb::module_& m)
           "width", [](const OwnedBlock& self) { return self.block.width(); }, "Number of columns, length of a vector")
       .def("values", &values, "The fields side by side, (rows, width), or one after the other")
       .def(
-          "assign",
-          [](const OwnedBlock& self, nb::ndarray<const double, nb::c_contig, nb::device::cpu> values)
+          "assign", [](const OwnedBlock& self, nb::ndarray<const double, nb::c_contig, nb::device::cpu> values)
           { self.block.assign({values.data(), values.size()}); }, nb::arg("values"), "Set the fields");
   m.def(
       "blocks",
@@ -148,8 +147,7 @@ void dolfinx_impact::bindings::files(nb::module_& m)
   m.def(
       "write",
       [](const std::string& path, const Space& V, const State& state, const nb::dict& identity, const State& supports,
-         const nb::dict& more)
-      { write(path, V, state, as_identity(identity, {}, supports), as_attributes(more)); },
+         const nb::dict& more) { write(path, V, state, as_identity(identity, {}, supports), as_attributes(more)); },
       nb::arg("path"), nb::arg("V"), nb::arg("state"), nb::arg("identity"), nb::arg("supports"), nb::arg("more"),
       "Write a state. Collective.");
   m.def(

@@ -14,10 +14,10 @@ namespace dolfinx_impact::files
 {
 namespace
 {
-constexpr std::int64_t row_size = 32;          // length, whether data, checksum
-constexpr std::int64_t footer_size = 32;       // mark, number of sections, checksum of their table
-constexpr std::int64_t longest = 1 << 23;      // section, which is verified to read one row [bytes]
-constexpr char seal_mark[9] = "IMPACT\r\n";    // with an end of line, so that a transfer as text changes it
+constexpr std::int64_t row_size = 32;                // length, whether data, checksum
+constexpr std::int64_t footer_size = 32;             // mark, number of sections, checksum of their table
+constexpr std::int64_t longest = 1 << 23;            // section, which is verified to read one row [bytes]
+constexpr char seal_mark[9] = "IMPACT\r\n";          // with an end of line, so that a transfer as text changes it
 constexpr std::int64_t most = std::int64_t(1) << 62; // bytes of a file
 
 void put_number(std::vector<std::byte>& out, std::int64_t value)

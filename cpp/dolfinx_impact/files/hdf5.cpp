@@ -72,7 +72,7 @@ private:
   herr_t (*_close)(hid_t);
 };
 
-// --- HDF5's driver of files in memory ----------------------------------------------------------------------------------
+// --- HDF5's driver of files in memory ---
 
 /// A file as HDF5 has it open: begins with HDF5's own part.
 struct OpenFile
@@ -193,7 +193,7 @@ Handle driver()
   return Handle(H5FDregister(&description), H5FDunregister, "register a driver for files in memory");
 }
 
-// --- attributes --------------------------------------------------------------------------------------------------------
+// --- attributes ---
 
 std::size_t entries(const std::vector<std::size_t>& shape)
 {
@@ -312,7 +312,7 @@ Attributes read_attributes(hid_t file)
   return out;
 }
 
-// --- tables ------------------------------------------------------------------------------------------------------------
+// --- tables ---
 
 Table read_table(hid_t dataset)
 {

@@ -292,8 +292,8 @@ private:
     double size = 0.0;
     for (double value : x)
       size = std::max(size, std::abs(value));
-    const bool near = std::ranges::equal(x, there, [limit = same * size](double a, double b)
-                                         { return std::abs(a - b) <= limit; });
+    const bool near =
+        std::ranges::equal(x, there, [limit = same * size](double a, double b) { return std::abs(a - b) <= limit; });
     if (!near || !_then.agreed)
       throw Damaged("its nodes lie elsewhere: it is of another mesh, or its cells are numbered anew");
   }
@@ -315,8 +315,9 @@ private:
     else if (block.place() == Place::node)
       _own.emplace(name, read_own(name, columns, _V.dofmap()->index_map->size_global(), _then.numbers, infinite));
     else if (block.place() == Place::cell)
-      _own.emplace(name, read_own(name, columns, _V.mesh()->topology()->index_map(_V.mesh()->topology()->dim())
-                                                     ->size_global(), _cell_rows, infinite));
+      _own.emplace(name, read_own(name, columns,
+                                  _V.mesh()->topology()->index_map(_V.mesh()->topology()->dim())->size_global(),
+                                  _cell_rows, infinite));
     else if (block.place() == Place::rank)
       _own.emplace(name, rank_values(block, infinite));
     else
@@ -334,8 +335,8 @@ private:
     std::ranges::sort(out.order, {}, by_number);
     if (std::ranges::adjacent_find(out.order, {}, by_number) != out.order.end())
       throw Damaged("the table " + name + " has " + (block.place() == Place::node ? "nodes" : "facets") + " twice");
-    if (block.place() == Place::node && std::ranges::any_of(out.numbers, [num_nodes](std::int64_t n)
-                                                            { return n < 0 || n >= num_nodes; }))
+    if (block.place() == Place::node &&
+        std::ranges::any_of(out.numbers, [num_nodes](std::int64_t n) { return n < 0 || n >= num_nodes; }))
       throw Damaged("the table " + name + " has nodes that do not exist");
     out.values = read_values(values_table(block), block.width(), out.numbers.size(), 0, out.numbers.size(), infinite);
     return out;
@@ -352,8 +353,10 @@ private:
     const std::size_t ranks = std::size_t(*then), rank = dolfinx::MPI::rank(_comm);
     const std::vector<double> all = read_values(values_table(block), columns, ranks, 0, ranks, infinite);
     const auto row = [&](std::size_t r)
-    { return std::vector<double>(all.begin() + std::ptrdiff_t(r * columns),
-                                 all.begin() + std::ptrdiff_t((r + 1) * columns)); };
+    {
+      return std::vector<double>(all.begin() + std::ptrdiff_t(r * columns),
+                                 all.begin() + std::ptrdiff_t((r + 1) * columns));
+    };
     if (*then == dolfinx::MPI::size(_comm))
       return row(rank);
     if (std::ranges::count(_options.equal, block.name()) > 0)
@@ -434,11 +437,11 @@ private:
                       const std::size_t row = std::size_t(other.in1 - found.begin()) / block.width();
                       const std::size_t gdim = _V.mesh()->geometry().dim();
                       const std::vector<double> x = places(_V);
-                      throw common::BadValue(
-                          _path + " is of another problem: " + block.name() + " differ" +
-                          (block.numbers() ? ", the first at " + common::place(std::span(x).subspan(
-                                                                     (*block.numbers())[row] * gdim, gdim))
-                                           : ""));
+                      throw common::BadValue(_path + " is of another problem: " + block.name() + " differ" +
+                                             (block.numbers()
+                                                  ? ", the first at " + common::place(std::span(x).subspan(
+                                                                            (*block.numbers())[row] * gdim, gdim))
+                                                  : ""));
                     });
     }
   }

@@ -270,8 +270,8 @@ private:
       return;
     const std::filesystem::path folder = _target.has_parent_path() ? _target.parent_path() : ".";
     std::filesystem::create_directories(folder);
-    const std::vector<std::byte> end = seal(
-        _sections, [&](std::int64_t a, std::int64_t b) { return _structure.content(a, b); }, _structure.size());
+    const std::vector<std::byte> end =
+        seal(_sections, [&](std::int64_t a, std::int64_t b) { return _structure.content(a, b); }, _structure.size());
     const std::uint64_t size = _structure.size() + end.size(), free = std::filesystem::space(folder).available;
     if (free < size)
       throw std::runtime_error("no space left: " + common::text("%.3g", double(size) / 1e6) + " MB are needed, " +

@@ -99,9 +99,7 @@ class Checkpoints(abc.ABC):
             arguments.path("path", path)
             self._check_kind("restore")
         with Interrupts(self.comm) as interrupts:
-            saved, attributes = checkpoint.read(
-                path, self.subject, self._like(), self.more, self.equal, self.infinite
-            )
+            saved, attributes = checkpoint.read(path, self.subject, self._like(), self.more, self.equal, self.infinite)
             checked, error = attempt(self._check, path, saved, attributes)
             agree(self.comm, error, "restore")
             self._apply(saved, attributes, checked)
