@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "PythonContact.h"
+#include "dolfinx_impact/enforcement/mortar/MortarContact.h"
 #include "petsc_objects.h"
 #include <algorithm>
 #include <limits>
@@ -37,26 +38,44 @@ auto mask(std::span<const std::int8_t> values)
 
 } // namespace
 
-PythonContact::PythonContact(nb::object contact)
-    : _contact(std::move(contact)), _name(nb::cast<std::string>(_contact.attr("pair").attr("name"))),
-      _has_multipliers(nb::cast<bool>(_contact.attr("has_multipliers"))),
-      _has_friction(nb::cast<double>(_contact.attr("pair").attr("friction")) > 0.0)
+PythonContact::PythonContact(const nb::object& contact)
+    : _contact(contact), _name(nb::cast<std::string>(contact.attr("pair").attr("name"))),
+      _has_multipliers(nb::cast<bool>(contact.attr("has_multipliers"))),
+      _has_friction(nb::cast<double>(contact.attr("pair").attr("friction")) > 0.0)
 {
+}
+
+nb::object PythonContact::contact() const
+{
+  nb::object found = _contact();
+  if (found.is_none())
+    throw std::runtime_error("the contact " + _name + " is gone, with its problem");
+  return found;
+}
+
+enforcement::MortarContact* PythonContact::mortar()
+{
+  return _has_multipliers ? nb::cast<enforcement::MortarContact*>(contact().attr("_cpp_object")) : nullptr;
+}
+
+void PythonContact::check_parameters()
+{
+  contact().attr("check_parameters")();
 }
 
 std::vector<double> PythonContact::numbers_of(const char* attribute) const
 {
-  return entries<double>(_contact.attr(attribute));
+  return entries<double>(contact().attr(attribute));
 }
 
 std::string PythonContact::fault() const
 {
-  return nb::cast<std::string>(_contact.attr("fault"));
+  return nb::cast<std::string>(contact().attr("fault"));
 }
 
 std::optional<std::array<double, 3>> PythonContact::displacement() const
 {
-  if (!nb::cast<bool>(_contact.attr("pair").attr("rigid")))
+  if (!nb::cast<bool>(contact().attr("pair").attr("rigid")))
     return {};
   const std::vector<double> values = numbers_of("displacement");
   return std::array{values[0], values[1], values[2]};
@@ -67,108 +86,108 @@ void PythonContact::begin_step(std::span<const double> u, const std::optional<st
 {
   nb::object place = displacement ? nb::cast(array(*displacement)) : nb::none();
   nb::object goal = target.empty() ? nb::none() : nb::cast(array(target));
-  _contact.attr("begin_step")(array(u), place, goal);
+  contact().attr("begin_step")(array(u), place, goal);
 }
 
 state::State PythonContact::state()
 {
-  return nb::cast<state::State>(_contact.attr("state")());
+  return nb::cast<state::State>(contact().attr("state")());
 }
 
 state::State PythonContact::saved_state()
 {
-  return nb::cast<state::State>(_contact.attr("saved_state")());
+  return nb::cast<state::State>(contact().attr("saved_state")());
 }
 
 void PythonContact::resume(const state::State& saved, std::span<const double> u)
 {
-  _contact.attr("resume")(saved, array(u));
+  contact().attr("resume")(saved, array(u));
 }
 
 void PythonContact::accept_step()
 {
-  _contact.attr("accept_step")();
+  contact().attr("accept_step")();
 }
 
 bool PythonContact::augment()
 {
-  return nb::cast<bool>(_contact.attr("augment")());
+  return nb::cast<bool>(contact().attr("augment")());
 }
 
 std::string PythonContact::prescribed_overlap()
 {
-  return nb::cast<std::string>(_contact.attr("prescribed_overlap")());
+  return nb::cast<std::string>(contact().attr("prescribed_overlap")());
 }
 
 std::string PythonContact::passed_through()
 {
-  return nb::cast<std::string>(_contact.attr("passed_through")());
+  return nb::cast<std::string>(contact().attr("passed_through")());
 }
 
 void PythonContact::update_gap(std::span<const double> u)
 {
-  _contact.attr("update_gap")(array(u));
+  contact().attr("update_gap")(array(u));
 }
 
 int PythonContact::update_active_set(bool first, std::optional<std::int64_t> last)
 {
-  return nb::cast<int>(_contact.attr("update_active_set")(first, last ? nb::object(nb::int_(*last)) : nb::none()));
+  return nb::cast<int>(contact().attr("update_active_set")(first, last ? nb::object(nb::int_(*last)) : nb::none()));
 }
 
 std::vector<double> PythonContact::contact_forces() const
 {
-  return entries<double>(_contact.attr("contact_forces")());
+  return entries<double>(contact().attr("contact_forces")());
 }
 
 void PythonContact::add_residual(Vec b) const
 {
-  _contact.attr("add_residual")(nb::cast(b, nb::rv_policy::reference));
+  contact().attr("add_residual")(nb::cast(b, nb::rv_policy::reference));
 }
 
 void PythonContact::update_nodal_stiffness(Mat K)
 {
-  _contact.attr("update_nodal_stiffness")(nb::cast(K, nb::rv_policy::reference));
+  contact().attr("update_nodal_stiffness")(nb::cast(K, nb::rv_policy::reference));
 }
 
 Mat PythonContact::tangent()
 {
-  _kept = _contact.attr("tangent")();
+  _kept = contact().attr("tangent")();
   return _kept.is_none() ? nullptr : as_petsc<Mat>(_kept);
 }
 
 void PythonContact::set_convex(bool convex)
 {
-  _contact.attr("convex") = convex;
+  contact().attr("convex") = convex;
 }
 
 bool PythonContact::symmetric() const
 {
-  return nb::cast<bool>(_contact.attr("symmetric"));
+  return nb::cast<bool>(contact().attr("symmetric"));
 }
 
 std::int64_t PythonContact::num_active() const
 {
-  return nb::cast<std::int64_t>(_contact.attr("num_active"));
+  return nb::cast<std::int64_t>(contact().attr("num_active"));
 }
 
 double PythonContact::violation() const
 {
-  return nb::cast<double>(_contact.attr("violation")());
+  return nb::cast<double>(contact().attr("violation")());
 }
 
 double PythonContact::round_off() const
 {
-  return nb::cast<double>(_contact.attr("round_off")());
+  return nb::cast<double>(contact().attr("round_off")());
 }
 
 std::string PythonContact::largest_violation() const
 {
-  return nb::cast<std::string>(_contact.attr("largest_violation")());
+  return nb::cast<std::string>(contact().attr("largest_violation")());
 }
 
 std::string PythonContact::mesh_advice() const
 {
-  return nb::cast<std::string>(_contact.attr("mesh_advice")());
+  return nb::cast<std::string>(contact().attr("mesh_advice")());
 }
 
 double PythonContact::smallest_gap() const
@@ -177,46 +196,46 @@ double PythonContact::smallest_gap() const
   for (double gap : numbers_of("gap"))
     least = std::min(least, gap);
   const nb::module_ mpi = nb::module_::import_("mpi4py.MPI");
-  return nb::cast<double>(_contact.attr("comm").attr("allreduce")(least, mpi.attr("MIN")));
+  return nb::cast<double>(contact().attr("comm").attr("allreduce")(least, mpi.attr("MIN")));
 }
 
 void PythonContact::forget()
 {
-  _contact.attr("forget")();
+  contact().attr("forget")();
 }
 
 std::vector<double> PythonContact::rigid_body_products(const operators::RigidBodyModes& modes) const
 {
-  return entries<double>(_contact.attr("rigid_body_products")(nb::cast(&modes, nb::rv_policy::reference)));
+  return entries<double>(contact().attr("rigid_body_products")(nb::cast(&modes, nb::rv_policy::reference)));
 }
 
 bool PythonContact::close_nearest()
 {
-  return nb::cast<bool>(_contact.attr("close_nearest")());
+  return nb::cast<bool>(contact().attr("close_nearest")());
 }
 
 std::vector<double> PythonContact::closing_forces() const
 {
-  const nb::object forces = _contact.attr("closing_forces")();
+  const nb::object forces = contact().attr("closing_forces")();
   return forces.is_none() ? std::vector<double>() : entries<double>(forces);
 }
 
 std::vector<enforcement::ContactStatus> PythonContact::status() const
 {
   std::vector<enforcement::ContactStatus> out;
-  for (std::int64_t number : nb::cast<std::vector<std::int64_t>>(_contact.attr("status").attr("tolist")()))
+  for (std::int64_t number : nb::cast<std::vector<std::int64_t>>(contact().attr("status").attr("tolist")()))
     out.push_back(enforcement::ContactStatus(number));
   return out;
 }
 
 std::vector<double> PythonContact::covered() const
 {
-  return entries<double>(_contact.attr("covered")());
+  return entries<double>(contact().attr("covered")());
 }
 
 std::optional<std::array<double, 3>> PythonContact::force() const
 {
-  const nb::object force = _contact.attr("force");
+  const nb::object force = contact().attr("force");
   if (force.is_none())
     return {};
   std::array<double, 3> out{};
@@ -226,12 +245,12 @@ std::optional<std::array<double, 3>> PythonContact::force() const
 
 double PythonContact::dissipated() const
 {
-  return nb::cast<double>(_contact.attr("dissipated"));
+  return nb::cast<double>(contact().attr("dissipated"));
 }
 
 double PythonContact::stored_energy() const
 {
-  return nb::cast<double>(_contact.attr("stored_energy")());
+  return nb::cast<double>(contact().attr("stored_energy")());
 }
 
 // --- multipliers
@@ -240,26 +259,26 @@ double PythonContact::stored_energy() const
 std::span<const std::int32_t> PythonContact::nodes() const
 {
   if (_nodes.empty()) // they stay as they are
-    _nodes = entries<std::int32_t>(_contact.attr("nodes"));
+    _nodes = entries<std::int32_t>(contact().attr("nodes"));
   return _nodes;
 }
 
 std::span<const std::int64_t> PythonContact::numbers() const
 {
   if (_numbers.empty())
-    _numbers = entries<std::int64_t>(_contact.attr("numbers"));
+    _numbers = entries<std::int64_t>(contact().attr("numbers"));
   return _numbers;
 }
 
 std::span<const std::int8_t> PythonContact::active() const
 {
-  _active = entries<std::int8_t, bool>(_contact.attr("active"));
+  _active = entries<std::int8_t, bool>(contact().attr("active"));
   return _active;
 }
 
 std::span<const std::int8_t> PythonContact::sliding() const
 {
-  _sliding = entries<std::int8_t, bool>(_contact.attr("sliding"));
+  _sliding = entries<std::int8_t, bool>(contact().attr("sliding"));
   return _sliding;
 }
 
@@ -271,27 +290,27 @@ std::span<const double> PythonContact::multiplier() const
 
 std::int64_t PythonContact::last_change() const
 {
-  return nb::cast<std::int64_t>(_contact.attr("last_change"));
+  return nb::cast<std::int64_t>(contact().attr("last_change"));
 }
 
 void PythonContact::update_multipliers(std::span<const double> residual)
 {
-  _contact.attr("update_multipliers")(array(residual));
+  contact().attr("update_multipliers")(array(residual));
 }
 
 double PythonContact::gap_round_off() const
 {
-  return nb::cast<double>(_contact.attr("gap_round_off")());
+  return nb::cast<double>(contact().attr("gap_round_off")());
 }
 
 enforcement::Constraints PythonContact::constraints()
 {
-  return nb::cast<enforcement::Constraints>(_contact.attr("constraints")());
+  return nb::cast<enforcement::Constraints>(contact().attr("constraints")());
 }
 
 std::optional<std::pair<Mat, std::vector<double>>> PythonContact::friction_springs()
 {
-  const nb::object found = _contact.attr("friction_springs")();
+  const nb::object found = contact().attr("friction_springs")();
   if (found.is_none())
     return {};
   Mat matrix = as_petsc<Mat>(found[0]);
@@ -301,60 +320,60 @@ std::optional<std::pair<Mat, std::vector<double>>> PythonContact::friction_sprin
 
 std::vector<double> PythonContact::imposed_friction_forces() const
 {
-  const nb::object forces = _contact.attr("imposed_friction_forces")();
+  const nb::object forces = contact().attr("imposed_friction_forces")();
   return forces.is_none() ? std::vector<double>() : entries<double>(forces);
 }
 
 void PythonContact::update_linearised_gap(std::span<const double> increments)
 {
-  _contact.attr("update_linearised_gap")(array(increments));
+  contact().attr("update_linearised_gap")(array(increments));
 }
 
 std::pair<std::vector<double>, std::vector<double>>
 PythonContact::linearised_response(std::span<const double> increments, std::span<const double> forces) const
 {
-  const nb::object found = _contact.attr("linearised_response")(array(increments), array(forces));
+  const nb::object found = contact().attr("linearised_response")(array(increments), array(forces));
   return {entries<double>(found[0]), entries<double>(found[1])};
 }
 
 void PythonContact::correct_linearisation(std::span<const double> u)
 {
-  _contact.attr("correct_linearisation")(array(u));
+  contact().attr("correct_linearisation")(array(u));
 }
 
 void PythonContact::set_multipliers(std::span<const double> forces)
 {
-  _contact.attr("set_multipliers")(rows(forces, nodes().size()));
+  contact().attr("set_multipliers")(rows(forces, nodes().size()));
 }
 
 std::int64_t PythonContact::num_turning() const
 {
-  return nb::cast<std::int64_t>(_contact.attr("num_turning")());
+  return nb::cast<std::int64_t>(contact().attr("num_turning")());
 }
 
 void PythonContact::set_redundant(std::span<const std::int32_t> redundant)
 {
-  _contact.attr("set_redundant")(take(std::vector<std::int32_t>(redundant.begin(), redundant.end())));
+  contact().attr("set_redundant")(take(std::vector<std::int32_t>(redundant.begin(), redundant.end())));
 }
 
 std::vector<std::int32_t> PythonContact::over_constrained() const
 {
-  return entries<std::int32_t>(_contact.attr("over_constrained")());
+  return entries<std::int32_t>(contact().attr("over_constrained")());
 }
 
 void PythonContact::rotate_friction_traction()
 {
-  _contact.attr("rotate_friction_traction")();
+  contact().attr("rotate_friction_traction")();
 }
 
 std::vector<double> PythonContact::unit_gap(std::int64_t number) const
 {
-  return entries<double>(_contact.attr("unit_gap")(number));
+  return entries<double>(contact().attr("unit_gap")(number));
 }
 
 std::vector<double> PythonContact::unit_force(std::int64_t number) const
 {
-  return entries<double>(_contact.attr("unit_force")(number));
+  return entries<double>(contact().attr("unit_force")(number));
 }
 
 std::span<const double> PythonContact::linearised_gap() const
@@ -366,8 +385,8 @@ std::span<const double> PythonContact::linearised_gap() const
 void PythonContact::set_linearised(std::span<const std::int8_t> active, std::span<const double> gap,
                                    std::span<const double> multiplier)
 {
-  _contact.attr("active") = mask(active);
-  _contact.attr("linearised_gap") = array(gap);
-  _contact.attr("multiplier") = array(multiplier);
+  contact().attr("active") = mask(active);
+  contact().attr("linearised_gap") = array(gap);
+  contact().attr("multiplier") = array(multiplier);
 }
 } // namespace dolfinx_impact::bindings

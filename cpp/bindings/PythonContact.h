@@ -6,16 +6,20 @@
 namespace dolfinx_impact::bindings
 {
 /// A static contact that is a Python object with the members of contact/protocol.py, as Newton's method in C++ sees it.
+/// The object knows its problem, whose C++ part has this, and which keeps it alive: here is a weak reference only, as
+/// Python could not free a ring through C++.
 class PythonContact : public enforcement::MultiplierContact
 {
 public:
-  explicit PythonContact(nb::object contact);
+  explicit PythonContact(const nb::object& contact);
 
   const std::string& name() const override { return _name; }
   bool has_multipliers() const override { return _has_multipliers; }
+  enforcement::MortarContact* mortar() override;
   bool has_friction() const override { return _has_friction; }
   std::string fault() const override;
   std::optional<std::array<double, 3>> displacement() const override;
+  void check_parameters() override;
   void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                   std::span<const double> target) override;
   state::State state() override;
@@ -85,7 +89,10 @@ public:
 private:
   std::vector<double> numbers_of(const char* attribute) const;
 
-  nb::object _contact;
+  /// @throws std::runtime_error if the problem is gone
+  nb::object contact() const;
+
+  nb::weakref _contact;
   std::string _name;
   bool _has_multipliers, _has_friction;
   nb::object _kept; ///< a matrix that is borrowed

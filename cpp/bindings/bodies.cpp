@@ -8,6 +8,7 @@ using namespace dolfinx_impact::problems;
 using dolfinx_impact::operators::InternalForce;
 using dolfinx_impact::operators::KernelTangent;
 using dolfinx_impact::solve::Body;
+using dolfinx_impact::solve::BodyProperties;
 
 void dolfinx_impact::bindings::bodies(nb::module_& m)
 {
@@ -21,17 +22,12 @@ void dolfinx_impact::bindings::bodies(nb::module_& m)
           "__init__",
           [](AssembledBody* self, Function u, Form residual, std::shared_ptr<KernelTangent> tangent,
              std::vector<KernelForce> forces, std::vector<KernelForce> energies, bool energy_is_known,
-             std::vector<Constants> tangent_constants, std::vector<Function> functions, bool linear, bool keeps_tangent,
-             bool symmetric, bool inelastic, bool has_springs, bool rounds_positions)
+             std::vector<Constants> tangent_constants, std::vector<Function> functions, BodyProperties properties)
           {
-            const dolfinx_impact::solve::BodyProperties properties{linear, keeps_tangent, symmetric,       inelastic,
-                                                                   false,  has_springs,   rounds_positions};
             new (self) AssembledBody(std::move(u), std::move(residual), std::move(tangent), properties,
                                      {std::move(forces), std::move(energies), energy_is_known,
                                       std::move(tangent_constants), std::move(functions)});
           },
           nb::arg("u"), nb::arg("residual").none(), nb::arg("tangent"), nb::arg("forces"), nb::arg("energies"),
-          nb::arg("energy_is_known"), nb::arg("tangent_constants"), nb::arg("functions"), nb::arg("linear"),
-          nb::arg("keeps_tangent"), nb::arg("symmetric"), nb::arg("inelastic"), nb::arg("has_springs"),
-          nb::arg("rounds_positions"));
+          nb::arg("energy_is_known"), nb::arg("tangent_constants"), nb::arg("functions"), nb::arg("properties"));
 }

@@ -48,6 +48,7 @@ NB_MODULE(_cpp, m)
   nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");
   dolfinx_impact::bindings::bodies(problems);
   dolfinx_impact::bindings::problems(problems);
+  dolfinx_impact::bindings::static_problem(problems);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   dolfinx_impact::bindings::bench(bench);
 }

@@ -3,6 +3,7 @@
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/solve/FunctionBody.h"
 #include "dolfinx_impact/solve/Increment.h"
+#include "dolfinx_impact/solve/IncrementSolver.h"
 #include "dolfinx_impact/solve/LinearSolver.h"
 #include "dolfinx_impact/solve/LinearSystem.h"
 #include "dolfinx_impact/solve/LoadSteps.h"
@@ -158,9 +159,28 @@ void bind_increment(nb::module_& m)
           [](Increment& self, const std::vector<bool>& closed) { self.closed.assign(closed.begin(), closed.end()); });
 }
 
+/// NumPy mask with a copy of a vector.
+nb::object mask_of(const std::vector<std::int8_t>& values)
+{
+  auto* out = new bool[values.size()];
+  std::copy(values.begin(), values.end(), out);
+  const nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, bool, nb::ndim<1>>(out, {values.size()}, owner));
+}
+
 std::vector<double> copy_of(const Values& values)
 {
   return {values.data(), values.data() + values.size()};
+}
+
+/// Times by the names of their parts.
+nb::dict by_part(const SolveSeconds& seconds)
+{
+  nb::dict out;
+  out["bodies"] = seconds.bodies;
+  out["contact"] = seconds.contact;
+  out["linear"] = seconds.linear;
+  return out;
 }
 
 /// Exchanges whom Newton's method tells what it does, as long as it lives.
@@ -203,20 +223,38 @@ void bind_active_sets(nb::module_& m)
 
 void bind_newton(nb::module_& m)
 {
+  nb::class_<BodyProperties>(m, "BodyProperties", "What is known of bodies beforehand")
+      .def(
+          "__init__",
+          [](BodyProperties* self, bool linear, bool keeps_tangent, bool symmetric, bool inelastic, bool has_inertia,
+             bool has_springs, bool rounds_positions)
+          {
+            new (self)
+                BodyProperties{linear, keeps_tangent, symmetric, inelastic, has_inertia, has_springs, rounds_positions};
+          },
+          nb::kw_only(), nb::arg("linear") = false, nb::arg("keeps_tangent") = false, nb::arg("symmetric") = true,
+          nb::arg("inelastic") = false, nb::arg("has_inertia") = false, nb::arg("has_springs") = false,
+          nb::arg("rounds_positions") = false)
+      .def_ro("linear", &BodyProperties::linear, "The tangent does not change with the displacement")
+      .def_ro("keeps_tangent", &BodyProperties::keeps_tangent, "It does not change with time either")
+      .def_ro("symmetric", &BodyProperties::symmetric, "The tangent is symmetric")
+      .def_ro("inelastic", &BodyProperties::inelastic, "There are internal variables")
+      .def_ro("has_inertia", &BodyProperties::has_inertia, "Inertia holds the bodies")
+      .def_ro("has_springs", &BodyProperties::has_springs, "Springs to the ground may hold the bodies")
+      .def_ro("rounds_positions", &BodyProperties::rounds_positions, "Round-off of positions enters the forces");
   nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent")
       .def("residual", &Body::residual, nb::rv_policy::reference, "Borrowed until the next call. Collective")
       .def("tangent", &Body::tangent, nb::rv_policy::reference, "Borrowed until the next call. Collective")
       .def("fault", &Body::fault, "Why the last residual could not be computed. Collective")
       .def("accept_step", &Body::accept_step, "The state of the last residual is what the next step begins from")
       .def("stored_energy", &Body::stored_energy, "None: it is not known. Collective")
-      .def_prop_ro("rounds_positions", &Body::rounds_positions);
+      .def_prop_ro("properties", &Body::properties, nb::rv_policy::copy, "What is known of them");
   nb::class_<FunctionBody, Body>(m, "FunctionBody", "Bodies whose residual and tangent are functions")
       .def(
           "__init__",
           [](FunctionBody* self, nb::callable residual, nb::callable tangent, std::function<std::string()> fault,
              std::function<void()> accept_step, std::optional<nb::callable> origin,
-             std::function<std::optional<double>()> stored_energy, bool linear, bool keeps_tangent, bool symmetric,
-             bool inelastic, bool has_inertia, bool has_springs, bool rounds_positions)
+             std::function<std::optional<double>()> stored_energy, BodyProperties properties)
           {
             FunctionBody::Functions functions{[residual] { return as_petsc<Vec>(residual()); },
                                               [tangent] { return as_petsc<Mat>(tangent()); },
@@ -226,13 +264,10 @@ void bind_newton(nb::module_& m)
                                               std::move(stored_energy)};
             if (origin)
               functions.origin = [origin = *origin] { return copy_of(nb::cast<Values>(origin())); };
-            new (self) FunctionBody(std::move(functions), {linear, keeps_tangent, symmetric, inelastic, has_inertia,
-                                                           has_springs, rounds_positions});
+            new (self) FunctionBody(std::move(functions), properties);
           },
           nb::arg("residual"), nb::arg("tangent"), nb::arg("fault").none(), nb::arg("accept_step").none(),
-          nb::arg("origin").none(), nb::arg("stored_energy").none(), nb::arg("linear"), nb::arg("keeps_tangent"),
-          nb::arg("symmetric"), nb::arg("inelastic"), nb::arg("has_inertia"), nb::arg("has_springs"),
-          nb::arg("rounds_positions"));
+          nb::arg("origin").none(), nb::arg("stored_energy").none(), nb::arg("properties"));
   nb::class_<EquilibriumProblem>(m, "EquilibriumProblem", "Bodies and contacts in equilibrium")
       .def(
           "__init__",
@@ -255,7 +290,12 @@ void bind_newton(nb::module_& m)
              return "EquilibriumProblem(" + std::to_string(size) + " unknowns, " +
                     std::to_string(self.contacts.size()) + " contacts)";
            })
-      .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; });
+      .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; })
+      .def_prop_ro("linear_solver", [](const EquilibriumProblem& self) { return self.linear_solver; })
+      .def_prop_ro("fixed", [](const EquilibriumProblem& self) { return mask_of(self.fixed); })
+      .def_ro("fields", &EquilibriumProblem::fields)
+      .def_ro("keeps_multipliers", &EquilibriumProblem::keeps_multipliers)
+      .def_ro("exact_tangent", &EquilibriumProblem::exact_tangent);
   nb::class_<NewtonOptions>(m, "NewtonOptions", "Tolerances and limits of Newton's method")
       .def(nb::init<>())
       .def_rw("rtol", &NewtonOptions::rtol)
@@ -306,16 +346,32 @@ void bind_newton(nb::module_& m)
       .def_prop_ro("has_multipliers", &Newton::has_multipliers)
       .def_prop_rw(
           "seconds",
-          [](const Newton& self)
-          {
-            nb::dict out;
-            out["bodies"] = self.seconds.bodies;
-            out["contact"] = self.seconds.contact;
-            out["linear"] = self.seconds.linear;
-            return out;
-          },
+          [](const Newton& self) { return by_part(self.seconds); },
           [](Newton& self, const std::map<std::string, double>& seconds)
           { self.seconds = {seconds.at("bodies"), seconds.at("contact"), seconds.at("linear")}; });
+  nb::class_<IncrementSolver>(m, "IncrementSolver", "Solves increments by the SNES that PETSc's options choose")
+      .def(
+          "__init__",
+          [](IncrementSolver* self, std::shared_ptr<const EquilibriumProblem> problem, double rtol, double atol,
+             int max_iterations, std::function<void(const std::string&)> log,
+             std::function<void(const std::string&)> progress,
+             std::function<void(int, double, double, std::int64_t, std::int64_t)> iteration)
+          {
+            NewtonOptions options;
+            options.rtol = rtol;
+            options.atol = atol;
+            options.max_iterations = max_iterations;
+            new (self) IncrementSolver(std::move(problem), options,
+                                       {std::move(log), std::move(progress), std::move(iteration)});
+          },
+          nb::arg("problem"), nb::arg("rtol"), nb::arg("atol"), nb::arg("max_iterations"), nb::arg("log").none(),
+          nb::arg("progress").none(), nb::arg("iteration").none(), "Collective")
+      .def(
+          "run", [](IncrementSolver& self, Values target) { return self.run(view(target)); }, nb::arg("target"),
+          "Solve from the present displacements to prescribed values. Collective")
+      .def("forget", &IncrementSolver::forget, "Forget what was kept from earlier increments. Collective")
+      .def("free", &IncrementSolver::free, "Give back the memory of PETSc's objects. Collective")
+      .def("tell_nobody", &IncrementSolver::tell_nobody, "Forget the functions that are told");
   m.def(
       "open_contacts", [](const EquilibriumProblem& problem, const std::vector<bool>& closed)
       { return open_contacts(problem, std::vector<std::int8_t>(closed.begin(), closed.end())); }, nb::arg("problem"),
@@ -331,8 +387,6 @@ void bind_newton(nb::module_& m)
       "What is missing to equilibrium, in words; None if nothing is. Collective");
 }
 
-typedef nb::ndarray<double, nb::c_contig, nb::device::cpu> Changeable;
-
 void bind_load_steps(nb::module_& m)
 {
   nb::class_<LoadStepReport>(m, "LoadStepReport", "Course of a solve; lists are copies")
@@ -345,27 +399,8 @@ void bind_load_steps(nb::module_& m)
       .def_ro("cut_backs", &LoadStepReport::cut_backs)
       .def_ro("rejected_iterations", &LoadStepReport::rejected_iterations)
       .def_ro("unsettled", &LoadStepReport::unsettled)
-      .def_ro("lost", &LoadStepReport::lost);
-  m.def(
-      "run_load_steps",
-      [](std::shared_ptr<const EquilibriumProblem> problem, Values target,
-         const std::vector<std::pair<Changeable, Changeable>>& loads, std::vector<LoadSteps::Displacement> obstacles,
-         std::function<Increment(nb::object)> solver, int steps, int cut_backs,
-         std::function<void(const std::string&)> log, std::function<void(int, double, double)> begins,
-         std::function<void(double)> accepted)
-      {
-        std::vector<Ramp> ramps;
-        for (const auto& [value, reached] : loads)
-          ramps.push_back({{value.data(), value.size()}, {reached.data(), reached.size()}});
-        LoadSteps all(std::move(problem), copy_of(target), std::move(ramps), std::move(obstacles),
-                      {std::move(log), std::move(begins), std::move(accepted)});
-        return all.run([&](std::span<const double> goal)
-                       { return solver(nb::cast(take(std::vector<double>(goal.begin(), goal.end())))); },
-                       {steps, cut_backs});
-      },
-      nb::arg("problem"), nb::arg("target"), nb::arg("loads"), nb::arg("obstacles"), nb::arg("solver"),
-      nb::arg("steps"), nb::arg("cut_backs"), nb::arg("log"), nb::arg("begins"), nb::arg("accepted"),
-      "Solve all increments of a load step. Collective");
+      .def_ro("lost", &LoadStepReport::lost)
+      .def_prop_ro("seconds", [](const LoadStepReport& self) { return by_part(self.seconds); });
 }
 
 void bind_rigid_body_modes(nb::module_& m)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A steel block without Python, clamped at one end and pulled at the other: a static problem with the package's own
 // kernels. Runs on any number of ranks. A mesh that the kernels were not compiled for is refused.
+#include "demo.h"
 #include <basix/finite-element.h>
 #include <cmath>
 #include <cstdio>
@@ -9,10 +10,7 @@
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
-#include <exception>
 #include <memory>
-#include <petscsys.h>
-#include <spdlog/spdlog.h>
 #include <string>
 #include <vector>
 
@@ -89,17 +87,5 @@ bool run()
 
 int main(int argc, char* argv[])
 {
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
-  spdlog::set_level(spdlog::level::warn); // DOLFINx tells every step otherwise
-  bool passed = false;
-  try
-  {
-    passed = run();
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "elastic_block: %s\n", e.what());
-  }
-  PetscFinalize();
-  return passed ? 0 : 1;
+  return run_demo(argc, argv, "elastic_block", run);
 }

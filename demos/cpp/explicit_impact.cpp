@@ -2,6 +2,7 @@
 // A bar flies against a rigid wall: explicit steps with penalty contact, without Python. While the wave runs to the
 // free end and back, the wall feels density * wave speed * velocity per area; then the bar leaves as fast as it came.
 // Runs on any number of ranks.
+#include "demo.h"
 #include <basix/finite-element.h>
 #include <cmath>
 #include <cstdio>
@@ -11,8 +12,6 @@
 #include <dolfinx_impact/problems/ExplicitProblem.h>
 #include <dolfinx_impact/problems/explicit_body.h>
 #include <dolfinx_impact/surface/Surface.h>
-#include <petscsys.h>
-#include <spdlog/spdlog.h>
 
 using namespace dolfinx;
 using namespace dolfinx_impact;
@@ -82,17 +81,5 @@ bool run()
 
 int main(int argc, char* argv[])
 {
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
-  spdlog::set_level(spdlog::level::warn); // DOLFINx tells every step otherwise
-  bool passed = false;
-  try
-  {
-    passed = run();
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "explicit_impact: %s\n", e.what());
-  }
-  PetscFinalize();
-  return passed ? 0 : 1;
+  return run_demo(argc, argv, "explicit_impact", run);
 }

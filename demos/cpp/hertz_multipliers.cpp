@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Hertz's line contact of two elastic blocks by dual Lagrange multipliers, without Python. Runs on any number of ranks.
+#include "demo.h"
 #include <algorithm>
 #include <basix/finite-element.h>
 #include <cmath>
@@ -8,9 +9,8 @@
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
 #include <dolfinx_impact/surface/Surface.h>
-#include <functional>
 #include <numeric>
-#include <spdlog/spdlog.h>
+#include <petscsys.h>
 
 using namespace dolfinx;
 using namespace dolfinx_impact;
@@ -42,7 +42,7 @@ std::shared_ptr<mesh::Mesh<double>> blocks()
 }
 
 /// Marks points whose coordinates a function maps to zero.
-auto where(std::function<double(double, double)> f)
+auto where(auto f)
 {
   return [f](auto x)
   {
@@ -96,9 +96,5 @@ bool run()
 
 int main(int argc, char* argv[])
 {
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
-  spdlog::set_level(spdlog::level::warn); // DOLFINx tells every step otherwise
-  const bool passed = run();
-  PetscFinalize();
-  return passed ? 0 : 1;
+  return run_demo(argc, argv, "hertz_multipliers", run);
 }

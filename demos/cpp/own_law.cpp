@@ -2,6 +2,7 @@
 // A law of one's own: the kernels of foam.py, which `dolfinx-impact compile` writes when this program is built. A block
 // of foam is stretched to one and a half of its length, its sides are free; closed forms give its force, its energy and
 // its stress. Runs on any number of ranks, without Python.
+#include "demo.h"
 #include "foam.h"
 #include <basix/finite-element.h>
 #include <cmath>
@@ -13,7 +14,7 @@
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
 #include <numeric>
-#include <spdlog/spdlog.h>
+#include <petscsys.h>
 
 using namespace dolfinx;
 using namespace dolfinx_impact;
@@ -92,9 +93,5 @@ bool run()
 
 int main(int argc, char* argv[])
 {
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
-  spdlog::set_level(spdlog::level::warn); // DOLFINx tells every step otherwise
-  const bool passed = run();
-  PetscFinalize();
-  return passed ? 0 : 1;
+  return run_demo(argc, argv, "own_law", run);
 }

@@ -2,6 +2,7 @@
 // A block is pressed on a rigid plane and dragged along it: penalty contact with Coulomb friction in two load steps,
 // without Python. Pressed, the force is that of two springs in series; dragged, friction is the coefficient times the
 // normal force. Runs on any number of ranks.
+#include "demo.h"
 #include <array>
 #include <basix/finite-element.h>
 #include <cmath>
@@ -15,7 +16,6 @@
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
 #include <dolfinx_impact/surface/Surface.h>
-#include <spdlog/spdlog.h>
 #include <vector>
 
 using namespace dolfinx;
@@ -78,17 +78,5 @@ bool run()
 
 int main(int argc, char* argv[])
 {
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
-  spdlog::set_level(spdlog::level::warn); // DOLFINx tells every step otherwise
-  bool passed = false;
-  try
-  {
-    passed = run();
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "penalty_friction: %s\n", e.what());
-  }
-  PetscFinalize();
-  return passed ? 0 : 1;
+  return run_demo(argc, argv, "penalty_friction", run);
 }

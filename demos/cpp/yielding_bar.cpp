@@ -2,14 +2,13 @@
 // A steel bar is pushed at one end faster than it can bear elastically: an elastic wave runs ahead with the yield
 // stress, a plastic one follows more slowly. Implicit steps with J2 plasticity, without Python. Von Karman's theory of
 // one-dimensional plastic waves gives the force on the driven end. Runs on any number of ranks.
+#include "demo.h"
 #include <basix/finite-element.h>
 #include <cmath>
 #include <cstdio>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/problems/NewmarkProblem.h>
-#include <petscsys.h>
-#include <spdlog/spdlog.h>
 
 using namespace dolfinx;
 using namespace dolfinx_impact;
@@ -83,17 +82,5 @@ bool run()
 
 int main(int argc, char* argv[])
 {
-  PetscInitialize(&argc, &argv, nullptr, nullptr);
-  spdlog::set_level(spdlog::level::warn); // DOLFINx tells every step otherwise
-  bool passed = false;
-  try
-  {
-    passed = run();
-  }
-  catch (const std::exception& e)
-  {
-    std::fprintf(stderr, "yielding_bar: %s\n", e.what());
-  }
-  PetscFinalize();
-  return passed ? 0 : 1;
+  return run_demo(argc, argv, "yielding_bar", run);
 }

@@ -10,7 +10,10 @@
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
+#include <dolfinx_impact/integrators/newmark/MovingBody.h>
+#include <dolfinx_impact/problems/LoadedBody.h>
 #include <dolfinx_impact/problems/NewmarkProblem.h>
+#include <dolfinx_impact/solve/FunctionBody.h>
 #include <dolfinx_impact/surface/Surface.h>
 #include <stdexcept>
 
@@ -77,6 +80,41 @@ const auto mass_options = []
   return std::vector{problems::ImplicitBodyOptions{}, lumped, damped};
 }();
 } // namespace
+
+TEST_CASE("what is known of bodies is known of them with loads, and with inertia and damping but for these", "[newmark]")
+{
+  const bool keeps = GENERATE(false, true), symmetric = GENERATE(false, true);
+  const int damping = GENERATE(0, 1, 2); // none, linear, another one
+  const solve::BodyProperties given{.linear = true,
+                                    .keeps_tangent = keeps,
+                                    .symmetric = symmetric,
+                                    .inelastic = true,
+                                    .has_springs = true,
+                                    .rounds_positions = true};
+  const Block b;
+  const auto body = std::make_shared<solve::FunctionBody>(solve::FunctionBody::Functions{}, given);
+  const auto loaded = std::make_shared<problems::LoadedBody>(body, b.u->x()->array().size());
+  CHECK(loaded->properties().linear);
+  CHECK(loaded->properties().keeps_tangent == keeps);
+  CHECK(loaded->properties().symmetric == symmetric);
+  CHECK(loaded->properties().inelastic);
+  CHECK_FALSE(loaded->properties().has_inertia);
+  CHECK(loaded->properties().has_springs);
+  CHECK(loaded->properties().rounds_positions);
+
+  std::shared_ptr<integrators::VelocityForce> force;
+  if (damping > 0)
+    force = std::make_shared<integrators::FunctionVelocityForce>(nullptr, nullptr, damping == 1);
+  const integrators::MovingBody moving(loaded, b.u, b.v, b.body().inertia, 0.0, force);
+  // The mass matrix is added to tangents of one size of steps, where they are the same in all of them.
+  CHECK(moving.properties().linear == (keeps && damping < 2));
+  CHECK(moving.properties().keeps_tangent == moving.properties().linear);
+  CHECK(moving.properties().symmetric == (symmetric && damping == 0));
+  CHECK(moving.properties().inelastic);
+  CHECK(moving.properties().has_inertia);
+  CHECK(moving.properties().has_springs);
+  CHECK(moving.properties().rounds_positions);
+}
 
 TEST_CASE("a free block under its weight falls as a point does", "[newmark]")
 {

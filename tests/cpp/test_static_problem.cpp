@@ -74,7 +74,7 @@ struct Block
 TEST_CASE("a pressed block has the force of two springs in series")
 {
   Block block("linear_elastic");
-  CHECK(block.body->linear());
+  CHECK(block.body->properties().linear);
   block.press(0.01);
   const auto report = block.problem->solve({.steps = 2});
   CHECK(report.fractions == std::vector{0.5, 1.0});
@@ -84,7 +84,7 @@ TEST_CASE("a pressed block has the force of two springs in series")
 TEST_CASE("a problem goes back to a copied state, and on from there to the same end")
 {
   Block block("neo_hookean");
-  CHECK_FALSE(block.body->linear());
+  CHECK_FALSE(block.body->properties().linear);
   block.press(0.01);
   block.problem->solve();
   const state::State half = block.problem->state().copy();

@@ -65,8 +65,7 @@ def commit_at_once(monkeypatch):
 
         return _cpp.solve.FunctionBody(
             residual=residual, tangent=right.tangent, fault=right.fault, accept_step=right.accept_step, origin=None,
-            stored_energy=None, linear=False, keeps_tangent=False, symmetric=False, inelastic=True, has_inertia=False,
-            has_springs=False, rounds_positions=True,
+            stored_energy=None, properties=right.properties,
         )  # fmt: skip
 
     monkeypatch.setattr(MaterialBody, "in_cpp", wrong)

@@ -16,6 +16,8 @@
 
 namespace dolfinx_impact::enforcement
 {
+class MortarContact;
+
 /// A contact of one pair in equilibrium or in a step of implicit dynamics: what Newton's method asks of it. Arrays are
 /// over this rank's contact points or over the degrees of freedom of the displacement space, owned ones, or owned and
 /// ghosts where it is said. Forces act on the right-hand side: the residual of equilibrium is internal minus external
@@ -33,6 +35,8 @@ public:
   virtual const std::string& name() const = 0;
   /// Whether it is a MultiplierContact. Not collective.
   virtual bool has_multipliers() const { return false; }
+  /// The contact by multipliers that this is, or that it adds to; null: it is none. Not collective.
+  virtual MortarContact* mortar() { return nullptr; }
   /// Why a converged state is not a solution; empty if it is one. Not collective.
   virtual std::string fault() const { return ""; }
 

@@ -21,6 +21,15 @@ inline void check(PetscErrorCode error, const char* what)
     throw std::runtime_error("PETSc error " + std::to_string(int(error)) + " while " + what);
 }
 
+/// Destroy an object that several ranks may let go of at different times: on more than one rank PETSc keeps it until
+/// all ranks clean up together.
+inline void let_go(PetscObject object)
+{
+  PetscBool over = PETSC_FALSE;
+  if (object && PetscFinalized(&over) == 0 && !over)
+    PetscObjectDelayedDestroy(&object);
+}
+
 /// A PETSc vector's own entries, to be changed, as long as this lives.
 class Entries
 {

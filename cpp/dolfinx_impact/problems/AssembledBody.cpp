@@ -30,7 +30,7 @@ void set_constants(Operator& target, const std::vector<Constants>& constants)
 AssembledBody::AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
                              std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
                              BodyKernels kernels)
-    : _u(std::move(u)), _form(std::move(residual)), _tangent(std::move(tangent)), _properties(properties),
+    : Body(properties), _u(std::move(u)), _form(std::move(residual)), _tangent(std::move(tangent)),
       _kernels(std::move(kernels)),
       _values(_u->function_space()->dofmap()->index_map, _u->function_space()->dofmap()->index_map_bs())
 {

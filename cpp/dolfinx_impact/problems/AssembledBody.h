@@ -55,13 +55,6 @@ public:
   state::State state() override;
   /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
   std::optional<double> stored_energy() override;
-  bool linear() const override { return _properties.linear; }
-  bool keeps_tangent() const override { return _properties.keeps_tangent; }
-  bool symmetric() const override { return _properties.symmetric; }
-  bool inelastic() const override { return _properties.inelastic; }
-  bool has_inertia() const override { return _properties.has_inertia; }
-  bool has_springs() const override { return _properties.has_springs; }
-  bool rounds_positions() const override { return _properties.rounds_positions; }
 
   /// External forces at owned and ghost degrees of freedom, zero at first; ghosts are not read [F].
   std::vector<double>& loads() { return _loads; }
@@ -76,7 +69,6 @@ private:
   std::shared_ptr<dolfinx::fem::Function<double>> _u;
   Form _form;
   std::shared_ptr<operators::KernelTangent> _tangent;
-  solve::BodyProperties _properties;
   BodyKernels _kernels;
   dolfinx::la::Vector<double> _values;
   std::vector<double> _loads;

@@ -12,7 +12,10 @@ class LoadedBody : public solve::Body
 {
 public:
   /// @param[in] num_owned owned degrees of freedom
-  LoadedBody(std::shared_ptr<solve::Body> body, std::size_t num_owned) : _body(std::move(body)), _forces(num_owned) {}
+  LoadedBody(std::shared_ptr<solve::Body> body, std::size_t num_owned)
+      : Body(body->properties()), _body(std::move(body)), _forces(num_owned)
+  {
+  }
 
   Vec residual() override
   {
@@ -27,13 +30,6 @@ public:
   void accept_step() override { _body->accept_step(); }
   state::State state() override { return _body->state(); }
   std::optional<double> stored_energy() override { return _body->stored_energy(); }
-  bool linear() const override { return _body->linear(); }
-  bool keeps_tangent() const override { return _body->keeps_tangent(); }
-  bool symmetric() const override { return _body->symmetric(); }
-  bool inelastic() const override { return _body->inelastic(); }
-  bool has_inertia() const override { return _body->has_inertia(); }
-  bool has_springs() const override { return _body->has_springs(); }
-  bool rounds_positions() const override { return _body->rounds_positions(); }
   std::span<const double> origin() const override { return _body->origin(); }
 
   /// External forces, owned [F].

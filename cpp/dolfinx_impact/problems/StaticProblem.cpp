@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "StaticProblem.h"
+#include "../operators/petsc_check.h"
 #include <algorithm>
 #include <stdexcept>
 
@@ -30,8 +31,16 @@ StaticProblem::StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, 
 
 void StaticProblem::add_load(std::span<double> forces)
 {
-  _loads.push_back(forces);
-  _reached.emplace_back(forces.size(), 0.0);
+  _reached.push_back(std::make_unique<std::vector<double>>(forces.size(), 0.0));
+  add_load({forces, *_reached.back()});
+}
+
+void StaticProblem::add_load(solve::Ramp load)
+{
+  if (load.value.size() != load.reached.size())
+    throw std::invalid_argument("a load has " + std::to_string(load.value.size()) + " values, and has reached " +
+                                std::to_string(load.reached.size()));
+  _loads.push_back(load);
 }
 
 void StaticProblem::move_obstacle(std::size_t contact, const std::array<double, 3>& displacement)
@@ -41,32 +50,76 @@ void StaticProblem::move_obstacle(std::size_t contact, const std::array<double, 
   _obstacles[contact] = displacement;
 }
 
-solve::LoadStepReport StaticProblem::solve(const SolveOptions& options)
+void StaticProblem::check(const SolveOptions& options) const
 {
-  const solve::EquilibriumProblem& p = *_equilibrium;
   if (options.steps < 1 || options.max_iterations < 1 || options.cut_backs.value_or(0) < 0)
     throw std::invalid_argument("a solve has one step and one iteration at least, and no negative number of cut_backs");
   if (!(options.rtol >= 0.0 && options.rtol < 1.0) || !(options.atol >= 0.0))
     throw std::invalid_argument("tolerances are rtol from 0 to 1 and atol not negative");
-  p.u->x()->scatter_fwd(); // a state that was assigned has owned values only
-  const std::span<const double> u = p.u->x()->array();
-  std::vector<double> target(u.begin(), u.end());
-  for (const auto& bc : _bcs)
-    bc->set(target, std::nullopt, 1.0);
-  std::vector<solve::Ramp> ramps;
-  for (std::size_t i = 0; i < _loads.size(); ++i)
-    ramps.push_back({_loads[i], _reached[i]});
-  for (const auto& contact : p.contacts)
-    contact->check_parameters();
+}
+
+solve::LoadStepReport StaticProblem::solve(const SolveOptions& options, const SolveEvents& events)
+{
+  check(options);
   solve::NewtonOptions newton;
   newton.rtol = options.rtol;
   newton.atol = options.atol;
   newton.max_iterations = options.max_iterations;
-  solve::Newton solver(_equilibrium, newton.with_database(p.linear_solver->prefix()));
-  solve::LoadSteps steps(_equilibrium, std::move(target), std::move(ramps), _obstacles);
+  _solver = std::make_unique<solve::IncrementSolver>(_equilibrium, newton, events.newton);
+  solve::LoadStepReport report;
+  try
+  {
+    report = solve([this](std::span<const double> goal) { return _solver->run(goal); }, options, events.steps);
+  }
+  catch (...)
+  {
+    _solver->tell_nobody();
+    throw;
+  }
+  report.seconds = _solver->seconds();
+  _solver->free();
+  _solver.reset();
+  return report;
+}
+
+solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solver, const SolveOptions& options,
+                                           const solve::LoadStepEvents& events)
+{
+  const solve::EquilibriumProblem& p = *_equilibrium;
+  check(options);
+  for (const auto& contact : p.contacts)
+    contact->check_parameters();
+  dolfinx::la::Vector<double> target(*p.u->x());
+  for (const auto& bc : _bcs)
+    bc->set(target.mutable_array(), std::nullopt, 1.0);
+  target.scatter_fwd();
+  solve::LoadSteps steps(_equilibrium, {target.array().begin(), target.array().end()}, _loads, _obstacles, events);
   const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
-  return steps.run([&solver](std::span<const double> goal) { return solver.run(goal); },
-                   {options.steps, options.cut_backs.value_or(several)});
+  return steps.run(solver, {options.steps, options.cut_backs.value_or(several)});
+}
+
+void StaticProblem::resume()
+{
+  _equilibrium->u->x()->scatter_fwd();
+}
+
+void StaticProblem::forget()
+{
+  _equilibrium->linear_solver->reset();
+  for (const auto& contact : _equilibrium->contacts)
+    contact->forget();
+}
+
+std::vector<double> StaticProblem::reactions()
+{
+  Vec b = _equilibrium->body->residual();
+  for (const auto& contact : _equilibrium->contacts)
+    contact->add_residual(b);
+  const double* values = nullptr;
+  operators::check(VecGetArrayRead(b, &values), "a vector is read");
+  std::vector<double> out(values, values + _equilibrium->num_owned());
+  operators::check(VecRestoreArrayRead(b, &values), "a vector is read");
+  return out;
 }
 
 state::State StaticProblem::state()
@@ -77,8 +130,8 @@ state::State StaticProblem::state()
   out.add("displacement", state::Place::node, state::View(u->mutable_array().subspan(0, _equilibrium->num_owned())),
           bs);
   out.add(_equilibrium->body->state());
-  for (std::size_t i = 0; i < _reached.size(); ++i)
-    out.add("load " + std::to_string(i), state::Place::rank, _reached[i]);
+  for (std::size_t i = 0; i < _loads.size(); ++i)
+    out.add("load " + std::to_string(i), state::Place::rank, state::View(_loads[i].reached));
   for (std::size_t i = 0; i < _equilibrium->contacts.size(); ++i)
   {
     state::State part("contact " + std::to_string(i));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../solve/IncrementSolver.h"
 #include "../solve/LoadSteps.h"
-#include "../solve/Newton.h"
 #include "make_equilibrium.h"
 #include <array>
 #include <dolfinx/fem/DirichletBC.h>
@@ -26,6 +26,13 @@ struct SolveOptions
   std::optional<int> cut_backs = std::nullopt; ///< nothing: 8 with contact or several steps, else 0
 };
 
+/// Whom a solve tells what it does.
+struct SolveEvents
+{
+  solve::NewtonEvents newton = {};
+  solve::LoadStepEvents steps = {};
+};
+
 /// Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 class StaticProblem
 {
@@ -39,27 +46,45 @@ public:
                 BoundaryConditions bcs, std::vector<std::shared_ptr<enforcement::StaticContact>> contacts = {},
                 const SolverOptions& options = {});
 
-  /// Solve for the present values of boundary conditions, loads and obstacles, in steps from those of the last solve.
+  /// Solve for the present values of boundary conditions, loads and obstacles, in steps from those of the last solve,
+  /// by the SNES that PETSc's options choose (solve::IncrementSolver). Collective.
+  /// @throws std::runtime_error no convergence; the problem is in its last converged state, as after exceptions of
+  /// events
+  /// @throws std::invalid_argument options out of range, or what PETSc does not take
+  solve::LoadStepReport solve(const SolveOptions& options = {}, const SolveEvents& events = {});
+  /// The same, but increments are solved by a function of one's own; of `options` steps and cut_backs are read.
   /// Collective.
-  /// @throws std::runtime_error no convergence; the problem is in its last converged state
-  /// @throws std::invalid_argument options out of range
-  solve::LoadStepReport solve(const SolveOptions& options = {});
+  solve::LoadStepReport solve(const solve::LoadSteps::Solver& solver, const SolveOptions& options = {},
+                              const solve::LoadStepEvents& events = {});
 
   /// External forces that are applied in parts, beside those of the body: a view of them, which must stay valid.
   void add_load(std::span<double> forces);
+  /// The same, with a view of those that were reached, which are the caller's then.
+  void add_load(solve::Ramp load);
   /// Displacement of a contact's rigid master that the next solve leads to [L].
   /// @throws std::invalid_argument if its master is deformable
   void move_obstacle(std::size_t contact, const std::array<double, 3>& displacement);
   /// Displacements, state of bodies and contacts, and loads as reached: copied, the problem can be brought back to it.
-  /// Of displacements it has the owned ones; `solve` updates ghosts.
   state::State state();
-  const solve::EquilibriumProblem& equilibrium() const { return *_equilibrium; }
+  /// Compute what follows from a state that was assigned: ghosts. Collective.
+  void resume();
+  /// Residual of equilibrium at the present displacements, owned: support forces at prescribed degrees of freedom,
+  /// round-off elsewhere [F]. Collective.
+  std::vector<double> reactions();
+  std::shared_ptr<const solve::EquilibriumProblem> equilibrium() const { return _equilibrium; }
+  /// Forget what `state` does not have, factors and candidates of the search: a problem that was copied and one that
+  /// was brought back go on alike. Collective.
+  void forget();
 
 private:
+  void check(const SolveOptions& options) const;
+
   std::shared_ptr<solve::EquilibriumProblem> _equilibrium;
   BoundaryConditions _bcs;
   std::vector<solve::LoadSteps::Displacement> _obstacles;
-  std::vector<std::span<double>> _loads;
-  std::vector<std::vector<double>> _reached; ///< loads of the last solve
+  std::vector<solve::Ramp> _loads;
+  std::vector<std::unique_ptr<std::vector<double>>> _reached; ///< loads of the last solve, of those without a view
+  /// Of the present solve. After an exception, which may be that of one rank, it stays until ranks are together again.
+  std::unique_ptr<solve::IncrementSolver> _solver;
 };
 } // namespace dolfinx_impact::problems

@@ -20,10 +20,7 @@ public:
     std::function<std::vector<double>()> origin;          ///< may be empty
     std::function<std::optional<double>()> stored_energy; ///< may be empty
   };
-  FunctionBody(Functions functions, BodyProperties properties)
-      : _functions(std::move(functions)), _properties(properties)
-  {
-  }
+  FunctionBody(Functions functions, BodyProperties properties) : Body(properties), _functions(std::move(functions)) {}
 
   Vec residual() override { return _functions.residual(); }
   Mat tangent() override { return _functions.tangent(); }
@@ -37,13 +34,6 @@ public:
   {
     return _functions.stored_energy ? _functions.stored_energy() : std::nullopt;
   }
-  bool linear() const override { return _properties.linear; }
-  bool keeps_tangent() const override { return _properties.keeps_tangent; }
-  bool symmetric() const override { return _properties.symmetric; }
-  bool inelastic() const override { return _properties.inelastic; }
-  bool has_inertia() const override { return _properties.has_inertia; }
-  bool has_springs() const override { return _properties.has_springs; }
-  bool rounds_positions() const override { return _properties.rounds_positions; }
   std::span<const double> origin() const override
   {
     if (_functions.origin)
@@ -53,7 +43,6 @@ public:
 
 private:
   Functions _functions;
-  BodyProperties _properties;
   mutable std::vector<double> _origin;
 };
 } // namespace dolfinx_impact::solve

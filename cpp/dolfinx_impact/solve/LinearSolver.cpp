@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "LinearSolver.h"
 #include "../common/text.h"
+#include "../operators/PetscErrorText.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <stdexcept>
 
 using dolfinx_impact::operators::check;
+using dolfinx_impact::operators::let_go;
 
 namespace dolfinx_impact::solve
 {
@@ -77,28 +79,6 @@ std::string list_of(const Options& options)
   return out;
 }
 
-/// Takes PETSc's words on an error instead of printing them, as long as it lives.
-class ErrorText
-{
-public:
-  ErrorText() { PetscPushErrorHandler(&note, this); }
-  ~ErrorText() { PetscPopErrorHandler(); }
-  ErrorText(const ErrorText&) = delete;
-  ErrorText& operator=(const ErrorText&) = delete;
-  const std::string& text() const { return _text; }
-
-private:
-  static PetscErrorCode note(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType type,
-                             const char* message, void* context)
-  {
-    if (type == PETSC_ERROR_INITIAL && message)
-      static_cast<ErrorText*>(context)->_text = message;
-    return code;
-  }
-
-  std::string _text;
-};
-
 /// Translations and rotations of all nodes. Collective.
 MatNullSpace rigid_motions(const dolfinx::fem::FunctionSpace<double>& V)
 {
@@ -146,16 +126,6 @@ double digits(double rtol)
 {
   return -std::log10(std::min(std::max(rtol, 1e-12), 1e-3));
 }
-
-/// Destroy an object that several ranks may let go of at different times: on more than one rank PETSc keeps it until
-/// all ranks clean up together.
-void let_go(PetscObject object)
-{
-  PetscBool over = PETSC_FALSE;
-  if (object && PetscFinalized(&over) == 0 && !over)
-    PetscObjectDelayedDestroy(&object);
-}
-
 } // namespace
 
 LinearSolver::LinearSolver(const dolfinx::fem::FunctionSpace<double>& V, const Options& options,
@@ -190,7 +160,7 @@ LinearSolver::LinearSolver(const dolfinx::fem::FunctionSpace<double>& V, const O
   check(KSPCreate(_comm, &_ksp), "a linear solver is made");
   check(KSPSetOptionsPrefix(_ksp, _prefix.c_str()), "a linear solver is made");
   {
-    const ErrorText error;
+    const operators::PetscErrorText error;
     if (KSPSetFromOptions(_ksp))
     {
       const std::string said = error.text();

@@ -2,6 +2,7 @@
 #pragma once
 #include "EquilibriumProblem.h"
 #include "Increment.h"
+#include "SolveSeconds.h"
 #include <array>
 #include <functional>
 #include <optional>
@@ -29,6 +30,7 @@ struct LoadStepReport
   int cut_backs = 0;                                       ///< increments that were halved
   std::vector<int> rejected_iterations;                    ///< of each increment that was halved
   std::vector<int> unsettled;                              ///< iterations whose active set did not converge
+  SolveSeconds seconds;                                    ///< time spent on this rank
   std::vector<std::string> lost;                           ///< contacts that were closed and carry no force at the end
 
   void add(const Increment& increment, double fraction);

@@ -95,7 +95,7 @@ NewtonOptions NewtonOptions::with_database(const std::string& prefix) const
 Newton::Newton(std::shared_ptr<const EquilibriumProblem> problem, NewtonOptions options, NewtonEvents told)
     : events(std::move(told)), _problem(std::move(problem)), _options(options), _comm(_problem->comm()),
       _num_owned(_problem->num_owned()), _gdim(_problem->space().mesh()->geometry().dim()),
-      _saddle(_problem->keeps_multipliers), _inelastic(_problem->body->inelastic())
+      _saddle(_problem->keeps_multipliers), _inelastic(_problem->body->properties().inelastic)
 {
   for (std::size_t i = 0; i < _num_owned; ++i)
     if (_problem->fixed[i])
@@ -260,7 +260,7 @@ Increment Newton::run(std::span<const double> target)
       return did_not_converge(std::move(result), moved, small, pending, violation);
     const int period = iteration - round_start > 0 ? result.cycle() : 0;
     Mat K = stiffness();
-    if (iteration == 0 && !_contacts.empty() && !body.has_inertia())
+    if (iteration == 0 && !_contacts.empty() && !body.properties().has_inertia)
       if (const std::string loose = unconstrained_modes(K); !loose.empty())
         return result.failed(loose, true);
     inner = std::max(inner, tangent_force(K));
@@ -275,7 +275,7 @@ Increment Newton::run(std::span<const double> target)
       return result.failed("Newton's method diverged: in iteration " + std::to_string(iteration) +
                            " the displacements are so large that the residual is round-off");
     // The accuracy that is still needed, but no more than the quadratic convergence of the next step.
-    double digits = _contacts.empty() && body.linear() ? 1e-10 : loose_digits;
+    double digits = _contacts.empty() && body.properties().linear ? 1e-10 : loose_digits;
     if (moved && free > 0.0)
     {
       const double enough = _margin * std::max(_options.atol, _options.rtol * std::max(scale, inner)) / free;
@@ -294,7 +294,7 @@ Increment Newton::run(std::span<const double> target)
         u()[i] = target[i];
     if (!solution.fault.empty())
     {
-      if (!_contacts.empty() && !body.has_inertia())
+      if (!_contacts.empty() && !body.properties().has_inertia)
         if (const std::string loose = unconstrained_modes(K); !loose.empty())
           return result.failed(loose + "; the linear solver failed (" + solution.fault + ")", true);
       if (const std::string crowded = over_constrained(); !crowded.empty())
@@ -327,7 +327,7 @@ std::string Newton::lost_contact(std::span<const std::int8_t> closed)
     passed.push_back(contact->passed_through());
   if (const std::string text = joined(passed); !text.empty())
     return text;
-  if (_problem->body->has_inertia())
+  if (_problem->body->properties().has_inertia)
     return "";
   const std::vector<std::string> lost = open_contacts(*_problem, closed);
   if (lost.empty())
@@ -336,7 +336,7 @@ std::string Newton::lost_contact(std::span<const std::int8_t> closed)
   for (enforcement::StaticContact* contact : _contacts)
     if (contact->num_active() > 0)
       bearing.push_back(contact);
-  Mat springs = _problem->body->has_springs() ? stiffness() : nullptr;
+  Mat springs = _problem->body->properties().has_springs ? stiffness() : nullptr;
   const std::vector<std::string> loose =
       solve::unconstrained_modes(_problem->space(), _problem->fixed, bearing, u(), _problem->axisymmetric, springs);
   return loose.empty() ? "" : "contact was lost (" + joined(lost) + "), and " + joined(loose);
@@ -566,7 +566,7 @@ double Newton::free_norm(std::span<const double> residual)
 
 std::string Newton::unconstrained_modes(Mat K)
 {
-  Mat springs = _problem->body->has_springs() ? K : nullptr;
+  Mat springs = _problem->body->properties().has_springs ? K : nullptr;
   const std::vector<std::string> loose =
       solve::unconstrained_modes(_problem->space(), _problem->fixed, _contacts, u(), _problem->axisymmetric, springs);
   if (loose.empty())
@@ -583,7 +583,7 @@ std::string Newton::unconstrained_modes(Mat K)
 /// Tangent of the bodies at u [F/L]; that of a linear law is assembled once per increment. Collective.
 Mat Newton::stiffness()
 {
-  if (!_K || !_problem->body->linear())
+  if (!_K || !_problem->body->properties().linear)
   {
     const Clock clock(seconds.bodies);
     _K = _problem->body->tangent();
@@ -656,7 +656,8 @@ double Newton::round_off_of_bodies(Mat K)
 {
   const Body& body = *_problem->body;
   std::vector<double> forces = diagonal_of(K);
-  const bool positions = body.rounds_positions() && !body.linear() && !body.has_inertia();
+  const bool positions =
+      body.properties().rounds_positions && !body.properties().linear && !body.properties().has_inertia;
   if (positions && _sizes.empty())
   {
     const dolfinx::fem::FunctionSpace<double>& V = _problem->space();
@@ -699,7 +700,7 @@ Newton::LinearisedSolution Newton::solve_linearised(Mat K, std::vector<double> r
                                                     double rtol, int unsettled)
 {
   LinearisedSolution out;
-  Stiffness stiffness{K, {}, {}, _problem->body->symmetric(), 1.0};
+  Stiffness stiffness{K, {}, {}, _problem->body->properties().symmetric, 1.0};
   if (_saddle)
   {
     for (const enforcement::MultiplierContact* contact : _multipliers)

@@ -5,6 +5,7 @@
 #include "FieldResiduals.h"
 #include "Increment.h"
 #include "LinearSystem.h"
+#include "SolveSeconds.h"
 #include <functional>
 #include <memory>
 #include <optional>
@@ -42,14 +43,6 @@ struct NewtonEvents
   /// An iteration: its number, norm of the free residual and the force that it is relative to [F], number of active
   /// points, number of points whose status changed.
   std::function<void(int, double, double, std::int64_t, std::int64_t)> iteration;
-};
-
-/// Time spent on this rank [s].
-struct SolveSeconds
-{
-  double bodies = 0.0;  ///< residual, stiffness
-  double contact = 0.0; ///< search, integrals, assembly, active set
-  double linear = 0.0;  ///< condensation, preconditioner, solution
 };
 
 /// Newton's method for equilibrium and contact; seed (3.61)-(3.66), figure 3.5.

@@ -92,11 +92,6 @@ class RollingNewton:
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
 
     @property
-    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
-        """The problem as C++ sees it."""
-        return self._frictionless.equilibrium
-
-    @property
     def seconds(self) -> dict[str, float]:
         """Time by part, as in Newton [s]."""
         return self._frictionless.seconds
@@ -135,7 +130,7 @@ class RollingNewton:
                 contact.turn_to_normals()
                 contact.update_matrices()
                 contact.slip_velocity = contact.tangential(contact.relative_velocity(p.u.x.array[: self.num_owned]))
-            if K is None or not p.body.linear or self.control:  # with a control, W changes with the spin
+            if K is None or not p.body.properties.linear or self.control:  # with a control, W changes with the spin
                 K = p.tangent.assemble()
             for contact in self.contacts:
                 contact.update_nodal_stiffness(K)

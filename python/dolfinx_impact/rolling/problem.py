@@ -29,7 +29,7 @@ from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..common.interrupts import Interrupts
 from ..statics.linear_solver import LinearSolver
-from ..statics.load_steps import run_steps
+from ..statics.load_steps import run_steps_by
 from ..statics.problem import Report, StaticProblem
 from . import frequencies, inputs, revolution, stability, sweep
 from .contact import RollingContact, RollingLagrange
@@ -126,7 +126,9 @@ class RollingProblem(Unique):
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
-        self._transport = Transport(self._equilibrium, self._flow) if self._equilibrium.body.inelastic else None
+        self._transport = (
+            Transport(self._equilibrium, self._flow) if self._equilibrium.body.properties.inelastic else None
+        )
         self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
         self._reduced: ReducedContacts | None = None
         if self._rubs:
@@ -275,7 +277,7 @@ class RollingProblem(Unique):
                 return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose, progress=False)
             with Interrupts(self.u.function_space.mesh.comm) as interrupts:
                 solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
-                report = run_steps(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
+                report = run_steps_by(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
                 if torque is not None:
                     self._find_spin(solver, torque, report, verbose)
                 interrupts.check()
@@ -406,7 +408,7 @@ class RollingProblem(Unique):
         solver.control = TorqueControl(self._equilibrium, self._flow, spin, self._torque, torque)
         found = False
         try:
-            added = run_steps(self._equilibrium, solver, 1, 0, verbose)
+            added = run_steps_by(self._equilibrium, solver, 1, 0, verbose)
             found = True
         finally:
             if not found:
@@ -438,9 +440,9 @@ class RollingProblem(Unique):
     def _check_speed(self, bring_back: Callable[[], None]) -> None:
         """Raise RuntimeError, with the earlier state, beyond the critical speed. Collective."""
         p, rates = self._equilibrium, np.concatenate([np.abs(np.ravel(r)) for r in self._flow.reached()])
-        if p.body.linear and self._safe is not None and np.all(rates <= self._safe):
+        if p.body.properties.linear and self._safe is not None and np.all(rates <= self._safe):
             return  # W grows with the rates: slower bodies with the same stiffness are stable as well
-        if p.body.linear:
+        if p.body.properties.linear:
             # Looking beyond the present rates spares the factors that each point of a rising creep curve would need.
             self._flow.scale(AHEAD)
             beyond = stability.negative_directions(p)

@@ -58,16 +58,12 @@ class AssembledBody(Described):
         kernels: their derivatives.
         residual: the rest of the residual, of FFCx; None: there is none.
         tangent: its derivative; None: it is zero.
-        linear, keeps_tangent, symmetric, inelastic, has_springs: see Body.
-        rounds_positions: whether round-off of positions enters the forces.
+        properties: what is known of the bodies beforehand.
 
     Attributes:
         tangent: derivative of the residual.
-        linear, keeps_tangent, symmetric, inelastic, has_springs: as given.
-        has_inertia: False.
+        properties: as given.
     """
-
-    has_inertia = False
 
     def __init__(
         self,
@@ -76,15 +72,9 @@ class AssembledBody(Described):
         kernels: Sequence[BilinearKernels],
         residual: fem.Form | None,
         tangent: fem.Form | None,
-        linear: bool,
-        keeps_tangent: bool,
-        symmetric: bool,
-        inelastic: bool,
-        has_springs: bool,
-        rounds_positions: bool,
+        properties: _cpp.solve.BodyProperties,
     ) -> None:
-        self.linear, self.keeps_tangent, self.symmetric = linear, keeps_tangent, symmetric
-        self.inelastic, self.has_springs = inelastic, has_springs
+        self.properties = properties
         V = u.function_space._cpp_object
         matrix = _cpp.operators.KernelTangent(
             V,
@@ -103,12 +93,7 @@ class AssembledBody(Described):
             energy_is_known=False,
             tangent_constants=[constants for k in kernels for constants in k.constants],
             functions=[f._cpp_object for f in {id(f): f for f in read if f is not u}.values()],
-            linear=linear,
-            keeps_tangent=keeps_tangent,
-            symmetric=symmetric,
-            inelastic=inelastic,
-            has_springs=has_springs,
-            rounds_positions=rounds_positions,
+            properties=properties,
         )
         # FFCx's functions are Python's, which must live as long as the forms.
         self._keep = residual, tangent

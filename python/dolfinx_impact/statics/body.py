@@ -13,21 +13,14 @@ class Body(Protocol):
     """Bodies of a problem.
 
     Attributes:
-        linear: whether the tangent does not depend on the displacement, so that one serves an increment.
-        keeps_tangent: whether it is that of linear materials alone, so that one serves all steps: loads and residuals
-            of a user's own may contain what changes with time.
-        symmetric: whether the tangent is symmetric, as far as is known.
-        inelastic: whether a body has internal variables.
-        has_inertia: whether inertia holds the bodies, so that they need no supports.
-        has_springs: whether springs to the ground may hold them.
+        properties: what is known of them beforehand.
+        tangent: derivative of the residual.
     """
 
-    linear: bool
-    keeps_tangent: bool
-    symmetric: bool
-    inelastic: bool
-    has_inertia: bool
-    has_springs: bool
+    @property
+    def properties(self) -> _cpp.solve.BodyProperties:
+        """What is known of them beforehand, as the linearity of the tangent."""
+        ...
 
     @property
     def tangent(self) -> BodyTangent:

@@ -54,19 +54,14 @@ class EvaluatedBody(Described):
 
     Attributes:
         forms: bodies of the forms, at the present values of their functions.
-        linear, keeps_tangent: False.
-        symmetric: True, as far as is known.
-        inelastic: True: what is evaluated may depend on a history.
-        has_inertia: False.
-        has_springs: True: there may be some in the residual.
+        properties: what is known of the bodies beforehand.
     """
-
-    linear = keeps_tangent = has_inertia = False
-    symmetric = inelastic = has_springs = True
 
     def __init__(
         self, u: fem.Function, residual: ufl.Form, tangent: ufl.Form, evaluate: Evaluate, accept: Evaluate | None
     ) -> None:
+        # What is evaluated may depend on a history, and there may be springs in the residual.
+        self.properties = _cpp.solve.BodyProperties(inelastic=True, has_springs=True)
         self.forms = FormBody(u, residual, tangent)
         self._u, self._function, self._accept = u, evaluate, accept
         read = {*residual.coefficients(), *tangent.coefficients()}
@@ -81,10 +76,14 @@ class EvaluatedBody(Described):
     def in_cpp(self) -> _cpp.solve.Body:
         """The bodies as Newton's method in C++ sees them: it calls Python for what is evaluated."""
         return _cpp.solve.FunctionBody(
-            residual=self._residual, tangent=self.tangent.assemble, fault=None, accept_step=self._accept_step,
-            origin=None, stored_energy=None, linear=False, keeps_tangent=False, symmetric=True, inelastic=True,
-            has_inertia=False, has_springs=True, rounds_positions=False,
-        )  # fmt: skip
+            residual=self._residual,
+            tangent=self.tangent.assemble,
+            fault=None,
+            accept_step=self._accept_step,
+            origin=None,
+            stored_energy=None,
+            properties=self.properties,
+        )
 
     def _residual(self) -> PETSc.Vec:
         """Evaluate, then assemble internal minus external forces [F]. Collective."""

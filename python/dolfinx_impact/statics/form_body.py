@@ -6,6 +6,7 @@ from __future__ import annotations
 import ufl
 from dolfinx import fem
 
+from .. import _cpp
 from ..assembly.averaged_form import compile_columns, has_averages, split_averages
 from ..assembly.ffcx_form import ffcx_form
 from ..assembly.operators import BilinearKernels, InternalForce
@@ -35,10 +36,9 @@ class FormBody(AssembledBody):
             [] if averaged is None else [BilinearKernels(averaged, compile_columns(averaged, u.function_space))],
             None if averaged_residual else ffcx_form(residual),
             None if plain is None else ffcx_form(plain),
-            linear=exact and not varies,
-            keeps_tangent=exact and not contains,
-            symmetric=True,
-            inelastic=False,
-            has_springs=True,  # there may be some in it
-            rounds_positions=False,
+            _cpp.solve.BodyProperties(
+                linear=exact and not varies,
+                keeps_tangent=exact and not contains,
+                has_springs=True,  # there may be some in it
+            ),
         )

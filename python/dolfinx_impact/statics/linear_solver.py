@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from dolfinx.fem import FunctionSpace
+from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _cpp
@@ -42,10 +43,22 @@ class LinearSolver(Described):
         indefinite: bool = False,
         limits: _cpp.solve.LinearSolverLimits = LIMITS,
     ) -> None:
-        free_garbage(V.mesh.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
-        given = {key: _as_text(value) for key, value in (options or {}).items()}
-        warn = partial(_warn, V.mesh.comm.rank)
-        self._cpp_object = _cpp.solve.LinearSolver(V._cpp_object, given, prefix, indefinite, limits, warn)
+        make_room(V)
+        warn = warnings_on(V.mesh.comm)
+        self._cpp_object = _cpp.solve.LinearSolver(
+            V._cpp_object, petsc_options(options), prefix, indefinite, limits, warn
+        )
+
+    @classmethod
+    def of(cls, solver: _cpp.solve.LinearSolver) -> LinearSolver:
+        """A view of a solver that a problem in C++ has.
+
+        Args:
+            solver: the solver.
+        """
+        view = cls.__new__(cls)
+        view._cpp_object = solver
+        return view
 
     @property
     def ksp(self) -> PETSc.KSP:
@@ -120,6 +133,33 @@ class LinearSolver(Described):
     def warn_of_unused(self) -> None:
         """After a solution: warn, once and on rank 0, of options that were asked for and that nobody has read."""
         self._cpp_object.warn_of_unused()
+
+
+def make_room(V: FunctionSpace) -> None:
+    """Free what earlier problems have left where a new one takes much. Collective.
+
+    Args:
+        V: displacement space.
+    """
+    free_garbage(V.mesh.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
+
+
+def petsc_options(options: Mapping[str, Any] | None) -> dict[str, str]:
+    """Options as PETSc reads them.
+
+    Args:
+        options: options by name, without prefix; None: none.
+    """
+    return {key: _as_text(value) for key, value in (options or {}).items()}
+
+
+def warnings_on(comm: MPI.Comm) -> Callable[[str], None]:
+    """A function that warns on rank 0.
+
+    Args:
+        comm: communicator of the problem.
+    """
+    return partial(_warn, comm.rank)
 
 
 def _warn(rank: int, text: str) -> None:

@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: MIT
-"""Load steps with cut-back, as in seed figure 3.5: increment, changes of contact, equilibrium iterations."""
+"""Load steps of cpp/dolfinx_impact/solve/LoadSteps.h: their log, their recorders and their report."""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
-from dolfinx.fem import DirichletBC, Function, FunctionSpace
+from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from .. import _cpp
+from ..common.interrupts import Interrupts
 from ..common.types import FloatArray
 from .progress import SolveProgress
 
@@ -116,11 +117,7 @@ class StepLog:
 
 
 class IncrementSolver(Protocol):
-    """What `run_steps` asks of a solver of increments."""
-
-    @property
-    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
-        """The problem as C++ sees it."""
+    """A solver of increments that is not the problem's own."""
 
     @property
     def seconds(self) -> dict[str, float]:
@@ -140,43 +137,50 @@ class LoadedProblem(Protocol):
     """What is applied in steps.
 
     Attributes:
-        u: displacement, the unknown [L].
         space: displacement space.
         recorders: recorders that write during a solve.
     """
 
-    u: Function
     space: FunctionSpace
     recorders: list[LoadStepRecorder]
-
-    @property
-    def bcs(self) -> Sequence[DirichletBC]:
-        """Prescribed displacements."""
-
-    @property
-    def loads(self) -> Sequence[Any]:
-        """Loads."""
 
     @property
     def contact(self) -> Sequence[Any]:
         """Contacts."""
 
+    @property
+    def _cpp_object(self) -> _cpp.problems.StaticProblem:
+        """The problem in C++."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How far a solve goes.
+
+    Attributes:
+        steps: number of equal increments [1].
+        cut_backs: largest number of times that the increment is halved [1].
+        rtol: relative tolerance, as in StaticProblem.solve; -snes_rtol takes precedence [1].
+        atol: absolute tolerance, as in StaticProblem.solve; -snes_atol takes precedence [F].
+        max_iterations: largest number of iterations; -snes_max_it takes precedence [1].
+    """
+
+    steps: int
+    cut_backs: int
+    rtol: float
+    atol: float
+    max_iterations: int
+
 
 def run_steps(
-    problem: LoadedProblem,
-    solver: IncrementSolver,
-    steps: int,
-    cut_backs: int,
-    verbose: bool,
-    progress: bool = False,
+    problem: LoadedProblem, limits: Limits, interrupts: Interrupts, verbose: bool, progress: bool = False
 ) -> Report:
     """Solve all increments of a load step. Collective.
 
     Args:
         problem: loads, supports and contacts.
-        solver: solver of an increment.
-        steps: number of equal increments [1].
-        cut_backs: largest number of times that the increment is halved [1].
+        limits: how far the solve goes.
+        interrupts: interrupts, checked in every iteration.
         verbose: whether iterations are printed on the terminal.
         progress: whether a solve that takes long says from time to time how far it is.
 
@@ -185,17 +189,56 @@ def run_steps(
 
     Raises:
         RuntimeError: an increment did not converge; the problem is in its last converged state.
+        ValueError: options that PETSc does not take.
     """
     log = StepLog(problem.space.mesh.comm, verbose, progress)
-    target = problem.u.copy()
-    for bc in problem.bcs:
-        bc.set(target.x.array)
-    target.x.scatter_forward()
-    # A load of a user's own class without `ramps` acts in full from the first increment.
-    ramped = [load for load in problem.loads if hasattr(load, "ramps")]
-    ramps = [(constant.value, reached) for load in ramped for constant, reached in load.ramps()]
-    masters = [c.pair.rigid_master if c.pair.rigid else None for c in problem.contact]
-    obstacles = [None if master is None else [float(v) for v in master.displacement] for master in masters]
+
+    def iteration(i: int, norm: float, scale: float, size: int, changes: int) -> None:
+        log.iteration(i, norm, scale, size, changes)
+        interrupts.check()
+
+    accepted = _begin(problem)
+    found = problem._cpp_object.solve(
+        limits.steps, limits.rtol, limits.atol, limits.max_iterations, limits.cut_backs, log=log,
+        progress=log.progress.show, iteration=iteration, begins=log.progress.begin, accepted=accepted,
+    )  # fmt: skip
+    return _report(problem, found, found.seconds, log)
+
+
+def run_steps_by(problem: LoadedProblem, solver: IncrementSolver, steps: int, cut_backs: int, verbose: bool) -> Report:
+    """Solve all increments of a load step by another solver than the problem's own. Collective.
+
+    Args:
+        problem: loads, supports and contacts.
+        solver: solver of an increment.
+        steps: number of equal increments [1].
+        cut_backs: largest number of times that the increment is halved [1].
+        verbose: whether iterations are printed on the terminal.
+
+    Returns:
+        Report.
+
+    Raises:
+        RuntimeError: an increment did not converge; the problem is in its last converged state.
+    """
+    log = StepLog(problem.space.mesh.comm, verbose)
+    accepted = _begin(problem)
+    found = problem._cpp_object.solve_by(
+        lambda goal: solver.run(goal, log), steps, cut_backs, log, log.progress.begin, accepted
+    )
+    return _report(problem, found, solver.seconds, log)
+
+
+def _begin(problem: LoadedProblem) -> Callable[[float], None]:
+    """Tell the obstacles where they go, and recorders that a solve begins.
+
+    Returns:
+        Function that is called with the fraction that is reached after every converged increment.
+    """
+    for k, contact in enumerate(problem.contact):
+        if contact.pair.rigid:
+            there = [float(value) for value in contact.pair.rigid_master.displacement]
+            problem._cpp_object.move_obstacle(k, there)
     for recorder in problem.recorders:
         recorder.begin()
 
@@ -203,16 +246,19 @@ def run_steps(
         for recorder in problem.recorders:
             recorder.after(fraction)
 
-    found = _cpp.solve.run_load_steps(
-        solver.equilibrium, target.x.array, ramps, obstacles, lambda goal: solver.run(goal, log), steps, cut_backs, log,
-        log.progress.begin, accepted,
-    )  # fmt: skip
+    return accepted
+
+
+def _report(
+    problem: LoadedProblem, found: _cpp.solve.LoadStepReport, seconds: dict[str, float], log: StepLog
+) -> Report:
+    """What a solve has found, for users; warns of contacts that were lost."""
     if found.lost and problem.space.mesh.comm.rank == 0:
         LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
     report = Report(
         iterations=found.iterations, residual_norms=found.residual_norms, active_set_sizes=found.active_set_sizes,
         contact_changes=found.contact_changes, fractions=found.fractions, cut_backs=found.cut_backs,
-        rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=solver.seconds,
+        rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=seconds,
     )  # fmt: skip
     log(report.table())
     return report

@@ -8,6 +8,7 @@ from typing import Any
 import ufl
 from dolfinx import fem
 
+from .. import _cpp
 from ..assembly import operators
 from ..assembly.ffcx_form import ffcx_form
 from ..assembly.history import MaterialHistory
@@ -70,11 +71,13 @@ class MaterialBody(AssembledBody):
             kernels,
             None if external is None else ffcx_form(-external),
             None if stiffness is None else ffcx_form(-stiffness),
-            linear=not inelastic and not varies and not of_loads[1],
-            keeps_tangent=not inelastic and not contains and stiffness is None,
-            # Kinematic hardening with recovery and finite strain make the tangent of plastic flow unsymmetric.
-            symmetric=not inelastic,
-            inelastic=inelastic,
-            has_springs=has_springs,
-            rounds_positions=True,
+            _cpp.solve.BodyProperties(
+                linear=not inelastic and not varies and not of_loads[1],
+                keeps_tangent=not inelastic and not contains and stiffness is None,
+                # Kinematic hardening with recovery and finite strain make the tangent of plastic flow unsymmetric.
+                symmetric=not inelastic,
+                inelastic=inelastic,
+                has_springs=has_springs,
+                rounds_positions=True,
+            ),
         )

@@ -41,13 +41,7 @@ def body_in_cpp(body: Body, stored_energy: Callable[[], float | None] | None = N
         accept_step=found.accept_step,
         origin=None,
         stored_energy=stored_energy,
-        linear=body.linear,
-        keeps_tangent=body.keeps_tangent,
-        symmetric=body.symmetric,
-        inelastic=body.inelastic,
-        has_inertia=body.has_inertia,
-        has_springs=body.has_springs,
-        rounds_positions=found.rounds_positions,
+        properties=found.properties,
     )
 
 

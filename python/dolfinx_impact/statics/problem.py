@@ -30,15 +30,13 @@ from ..common.interrupts import Interrupts
 from .bodies import make_body
 from .body import Body
 from .material_body import MaterialBody
-from .linear_solver import LinearSolver
+from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from . import newton
 from ..io.mesh_check import check_cells
-from .snes import Solver
-from .load_steps import Report, run_steps
+from .load_steps import Limits, Report, run_steps
 from ..common.types import BoolArray, FilePath, FloatArray
 from ..common.units import Units
 from ..common.unique import Unique, claim
-from ..contact.mortar.shared_nodes import connect
 from ..contact.protocol import BodyTangent
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -69,7 +67,8 @@ class StaticProblem(Unique):
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
             `solve`. Of contact: contact_tolerance, largest violation of its conditions in a converged state in sizes
-            of the bodies (1e-11), and contact_max_updates of the active set in one linearised problem (60).
+            of the bodies (1e-11), contact_max_updates of the active set in one linearised problem (60), and
+            contact_condense: multipliers are condensed where they can be (true).
         prefix: prefix of PETSc options on the command line, which take precedence over `options`.
         hypothesis: for a residual of your own: "axisymmetric" if x is the radius and its integrals contain 2 pi r,
             otherwise None or another hypothesis.
@@ -84,11 +83,9 @@ class StaticProblem(Unique):
         u: displacement [L].
         contact: contacts with their results (points, gap, pressure, force, ...), in the order given.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
-        exact_tangent: whether the part of the contact tangent that is not symmetric is in the matrix.
         body: residual of the bodies and its tangent.
         linear_solver: solver of the linear systems.
         recorders: recorders that write during a solve.
-        keeps_multipliers: whether multipliers stay in the linear systems; otherwise they are condensed.
         num_owned: number of degrees of freedom that this rank owns [1].
         residual_form: as `residual`.
         solves: how far the problem has come.
@@ -150,21 +147,22 @@ class StaticProblem(Unique):
         self.residual_form = residual
         self.solves = Solves(signs_are_checked=residual is None or not is_displacement(V))
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
-        dofs = [bc.dof_indices()[0] for bc in self.bcs]
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
-        for d in dofs:
-            self.fixed[d] = True
+        for bc in self.bcs:
+            self.fixed[bc.dof_indices()[0]] = True
         self.recorders: list[LoadStepRecorder] = []
         self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
-        # Only multipliers with the dual basis can be condensed, and only one constraint at a node. Otherwise, all stay
-        # in the system.
-        shared = connect(self.contact)
-        self.keeps_multipliers = shared or any(getattr(c, "basis", "dual") != "dual" for c in contact)
-        self.linear_solver: LinearSolver = LinearSolver(V, options, prefix, indefinite=self.keeps_multipliers)
-        # The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
-        # converge with it. For them its product with the last guess is on the right-hand side; it is small, of the
-        # order of pressure over stiffness.
-        self.exact_tangent = self.linear_solver.direct
+        make_room(V)
+        self._cpp_object = _cpp.problems.StaticProblem(
+            u._cpp_object, self.body.in_cpp(), [bc._cpp_object for bc in self.bcs],
+            [newton.contact_in_cpp(c) for c in self.contact], petsc_options(options), prefix, self.axisymmetric,
+            LIMITS, warnings_on(V.mesh.comm),
+        )  # fmt: skip
+        # A load of a user's own class without `ramps` acts in full from the first increment.
+        for load in self.loads:
+            for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
+                self._cpp_object.add_load(constant.value, reached)
+        self.linear_solver: LinearSolver = LinearSolver.of(self.equilibrium.linear_solver)
         self._restart = StaticRestart(self)
 
     @property
@@ -297,19 +295,9 @@ class StaticProblem(Unique):
         return self.body.in_cpp().residual()
 
     @property
-    def equilibrium(self) -> Any:
-        """Bodies and contacts as Newton's method in C++ sees them, EquilibriumProblem (C++)."""
-        return _cpp.solve.EquilibriumProblem(
-            self.u._cpp_object,
-            self.body.in_cpp(),
-            [newton.contact_in_cpp(contact) for contact in self.contact],
-            self.fixed,
-            self.linear_solver._cpp_object,
-            self.axisymmetric,
-            self.keeps_multipliers,
-            self.exact_tangent,
-            newton.field_numbers(self.space),
-        )
+    def equilibrium(self) -> _cpp.solve.EquilibriumProblem:
+        """Bodies and contacts as Newton's method in C++ sees them."""
+        return self._cpp_object.equilibrium
 
     def reactions(self) -> fem.Function:
         """Residual of equilibrium: support forces at prescribed degrees of freedom, round-off elsewhere. Collective.
@@ -317,16 +305,10 @@ class StaticProblem(Unique):
         Returns:
             Function on the displacement space [F].
         """
-        b = self.assemble_residual()
-        for contact in self.contact:
-            contact.add_residual(b)
         r = fem.Function(self.space, name="reaction")
-        r.x.array[: self.num_owned] = b.array_r
+        r.x.array[: self.num_owned] = self._cpp_object.reactions()
         r.x.scatter_forward()
         return r
-
-    def _norm(self, values: FloatArray) -> float:
-        return float(np.sqrt(self.space.mesh.comm.allreduce(float(values @ values))))
 
     # --- load steps ------------------------------------------------------------------------------------------------
 
@@ -379,16 +361,14 @@ class StaticProblem(Unique):
             if not np.all(np.isfinite(self.u.x.array)):
                 raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
             ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
-        for contact in self.contact:
-            contact.check_parameters()
         if not self.solves.signs_are_checked:
             check_curvature(self.tangent.assemble(), ~self.fixed[: self.num_owned])
             self.solves.signs_are_checked = True
         self.solves.under_way = True
         try:
             with Interrupts(self.space.mesh.comm) as interrupts:
-                with Solver(self, rtol, atol, max_iterations, interrupts) as solver:
-                    report = run_steps(self, solver, steps, most, verbose, bool(progress))
+                limits = Limits(steps, most, rtol, atol, max_iterations)
+                report = run_steps(self, limits, interrupts, verbose, bool(progress))
                 interrupts.check()
         finally:
             self.solves.under_way = False

@@ -12,8 +12,8 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
 from dolfinx_impact._cpp.penalty import FacetKeeper
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
+from dolfinx_impact.statics.load_steps import run_steps_by
 from dolfinx_impact.statics.progress import SolveProgress
-from dolfinx_impact.statics.snes import Solver
 
 
 class Blocks:
@@ -69,12 +69,29 @@ def test_cut_backs_and_augmentations_are_whole_numbers(value):
         di.Penalty(pair, augmented=True, max_augmentations=value)
 
 
-def test_increments_of_round_off_are_refused(monkeypatch):
+class FailingSolver:
+    """Solves increments as the problem's own solver does, and calls the first `failures` of them failed.
+
+    Attributes:
+        seconds: time by part.
+        count: iterations of each increment.
+    """
+
+    def __init__(self, problem, failures):
+        self._solver = _cpp.solve.IncrementSolver(problem.equilibrium, 1e-10, 0.0, 25, None, None, None)
+        self.seconds, self.count, self._failures = {}, [], failures
+
+    def run(self, goal, log):
+        result = self._solver.run(goal)
+        self.count.append(result.iterations)
+        return result.failed("no") if len(self.count) <= self._failures else result
+
+
+def test_increments_of_round_off_are_refused():
     """Cut back for ever, an increment gets no smaller than what can be added to the way."""
-    blocks = Blocks(di.Lagrange)
-    monkeypatch.setattr("dolfinx_impact.statics.newton.Newton.run", lambda *args: _cpp.solve.Increment().failed("no"))
+    problem = Blocks(di.Lagrange).problem
     with pytest.raises(RuntimeError, match="round-off: ask for fewer cut_backs"):
-        blocks.problem.solve(cut_backs=10000)
+        run_steps_by(problem, FailingSolver(problem, 10000), 1, 10000, False)
 
 
 def test_a_condition_that_stays_violated_is_named(monkeypatch, contacts_in_python):
@@ -94,19 +111,12 @@ def test_too_few_iterations_say_what_is_left():
         blocks.problem.solve(max_iterations=1, cut_backs=1)
 
 
-def test_a_report_counts_rejected_iterations(monkeypatch):
-    blocks = Blocks(lambda pair: di.Penalty(pair, penalty=1e5))
-    run, count = Solver.run, []
-
-    def fail_once(self, *args):
-        result = run(self, *args)
-        count.append(result.iterations)
-        return result.failed("once") if len(count) == 1 else result
-
-    monkeypatch.setattr(Solver, "run", fail_once)
-    report = blocks.problem.solve()
-    assert report.rejected_iterations == count[:1] and report.iterations == count[1:]
-    assert f"after {count[0]} iterations" in report.table()
+def test_a_report_counts_rejected_iterations():
+    problem = Blocks(lambda pair: di.Penalty(pair, penalty=1e5)).problem
+    solver = FailingSolver(problem, 1)
+    report = run_steps_by(problem, solver, 1, 8, False)
+    assert report.rejected_iterations == solver.count[:1] and report.iterations == solver.count[1:]
+    assert f"after {solver.count[0]} iterations" in report.table()
 
 
 def test_cycles_of_two_and_three_are_seen():

@@ -35,8 +35,7 @@ def in_python(self):
     calls.residual, calls.tangent, calls.fault = right.residual, right.tangent, right.fault
     return _cpp.solve.FunctionBody(
         residual=lambda: calls.residual(), tangent=lambda: calls.tangent(), fault=lambda: calls.fault(),
-        accept_step=None, origin=None, stored_energy=None, linear=True, keeps_tangent=True, symmetric=True,
-        inelastic=False, has_inertia=False, has_springs=False, rounds_positions=True)
+        accept_step=None, origin=None, stored_energy=None, properties=right.properties)
 MaterialBody.in_cpp = in_python
 contact = [getattr(di, method)(pair)]
 u, load = fem.Function(V), di.BodyForce((0.0, -1.0))

@@ -290,10 +290,10 @@ def check_what_changes_a_tangent():
     u, v, stiffness = fem.Function(V, name="u"), ufl.TestFunction(V), fem.Constant(V.mesh, 1.0)
     linear = stiffness * ufl.inner(ufl.grad(u), ufl.grad(v)) * ufl.dx
     for residual, expected in ((linear, True), (linear + ufl.inner(u, u) * ufl.inner(u, v) * ufl.dx, False)):
-        made = di.StaticProblem(u, residual=residual, bcs=[clamp(V)]).body
+        made = di.StaticProblem(u, residual=residual, bcs=[clamp(V)]).body.properties
         assert (made.linear, made.keeps_tangent) == (expected, False)
     law = di.LinearElastic(2.0, 0.3, hypothesis="plane_strain")
-    made = di.StaticProblem(u, law, bcs=[clamp(V)]).body
+    made = di.StaticProblem(u, law, bcs=[clamp(V)]).body.properties
     assert (made.linear, made.keeps_tangent) == (True, True)
 
 

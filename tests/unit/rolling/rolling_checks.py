@@ -484,7 +484,7 @@ def check_linear_bodies_have_one_tangent():
     for law, number in ((di.LinearElastic, 1), (di.StVenantKirchhoff, 3)):
         problem = wheel_on_plane(law=law)
         counted, calls = stability.negative_directions, []
-        stability.negative_directions = lambda p: calls.append(p.body.linear) or counted(p)
+        stability.negative_directions = lambda p: calls.append(p.body.properties.linear) or counted(p)
         try:
             problem.sweep(creep=[0.0, 1e-3, 2e-3], progress=False)
         finally:

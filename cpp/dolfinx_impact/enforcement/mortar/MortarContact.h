@@ -44,6 +44,7 @@ public:
                 MortarOptions options, std::vector<std::int8_t> fixed);
 
   const std::string& name() const override { return _options.name; }
+  MortarContact* mortar() override { return this; }
   const MortarOptions& options() const { return _options; }
   MortarGeometry& geometry() { return *_geometry; }
   const MortarGeometry& geometry() const { return *_geometry; }

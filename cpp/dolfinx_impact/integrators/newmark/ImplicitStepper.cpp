@@ -361,7 +361,7 @@ Energies ImplicitStepper::energies()
   const Works& works = _account.works();
   const std::optional<double> stored = _body->stored_energy();
   out.internal = stored.value_or(works.internal);
-  if (_body->inelastic())
+  if (_body->properties().inelastic)
     out.plastic = works.internal - out.internal;
   for (const auto& contact : _equations->contacts)
   {

@@ -7,12 +7,25 @@ using dolfinx_impact::operators::check;
 
 namespace dolfinx_impact::integrators
 {
+namespace
+{
+/// Properties of bodies that have got inertia and damping (may be null).
+solve::BodyProperties in_motion(solve::BodyProperties properties, const VelocityForce* damping)
+{
+  properties.linear = properties.keeps_tangent && (!damping || damping->linear());
+  properties.keeps_tangent = properties.linear;
+  properties.symmetric = properties.symmetric && !damping;
+  properties.has_inertia = true;
+  return properties;
+}
+} // namespace
+
 MovingBody::MovingBody(std::shared_ptr<solve::Body> body, std::shared_ptr<Function> displacement,
                        std::shared_ptr<Function> velocity, std::shared_ptr<const Inertia> inertia, double alpha,
                        std::shared_ptr<VelocityForce> damping)
-    : _body(std::move(body)), _displacement(std::move(displacement)), _velocity(std::move(velocity)),
-      _inertia(std::move(inertia)), _alpha(alpha), _damping(std::move(damping)),
-      _linear(_body->keeps_tangent() && (!_damping || _damping->linear()))
+    : Body(in_motion(body->properties(), damping.get())), _body(std::move(body)),
+      _displacement(std::move(displacement)), _velocity(std::move(velocity)), _inertia(std::move(inertia)),
+      _alpha(alpha), _damping(std::move(damping))
 {
 }
 
@@ -96,7 +109,7 @@ Mat MovingBody::tangent()
   if (_linear_tangent)
     return _linear_tangent;
   Mat total = _body->tangent();
-  if (_linear)
+  if (properties().linear)
   {
     check(MatDuplicate(total, MAT_COPY_VALUES, &_linear_tangent), "a tangent is copied");
     total = _linear_tangent;

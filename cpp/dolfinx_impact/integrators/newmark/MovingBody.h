@@ -11,7 +11,8 @@
 namespace dolfinx_impact::integrators
 {
 /// Bodies with inertia and damping over one implicit step, as Newton's method sees them: equilibrium
-/// M a_1 + C v_1 + F(u_1) = 0 at its end as a residual in u_1.
+/// M a_1 + C v_1 + F(u_1) = 0 at its end as a residual in u_1. They are linear if the tangent is the same in all steps
+/// of one size.
 class MovingBody : public solve::Body
 {
 public:
@@ -42,13 +43,6 @@ public:
   void accept_step() override { _body->accept_step(); }
   state::State state() override { return _body->state(); }
   std::optional<double> stored_energy() override { return _body->stored_energy(); }
-  /// Whether the tangent is the same in all steps of one size.
-  bool linear() const override { return _linear; }
-  bool symmetric() const override { return _body->symmetric() && !_damping; }
-  bool inelastic() const override { return _body->inelastic(); }
-  bool has_inertia() const override { return true; }
-  bool has_springs() const override { return _body->has_springs(); }
-  bool rounds_positions() const override { return _body->rounds_positions(); }
   std::span<const double> origin() const override { return _origin; }
 
   solve::Body& body() { return *_body; }
@@ -63,7 +57,6 @@ private:
   std::shared_ptr<const Inertia> _inertia;
   double _alpha;
   std::shared_ptr<VelocityForce> _damping;
-  bool _linear;
   std::optional<StepMotion> _step;
   std::vector<double> _origin;                    ///< displacement at the start of the step, owned [L]
   std::vector<double> _mass_factor, _factor;      ///< that `_mass` and the tangent of linear bodies were made with

@@ -21,7 +21,6 @@ from ...common.interrupts import Interrupts
 from ...common.types import FloatArray
 from ...materials import MaterialMap, _Material
 from ...statics.load_steps import StepLog
-from ...statics.snes import Solver
 from ..advance_calls import AdvanceCalls, check_not_written
 from ..progress import ProgressBar
 from ..read_once import ReadOnce
@@ -84,7 +83,7 @@ class ImplicitStepper(Described):
         self.recorders: list[Recorder] = []
         self.calls = AdvanceCalls()
         self._rotation_warning = RotationWarning(material)
-        self._solver: Solver | None = None  # of the present `advance`
+        self._solver: _cpp.solve.IncrementSolver | None = None  # of the present `advance`
         self._log: StepLog | None = None  # of it
         self._warned = False  # of values that came late
 
@@ -161,7 +160,7 @@ class ImplicitStepper(Described):
         Args:
             until: time to advance to [T].
             control: lengths of steps, StepControl (C++).
-            solver_arguments: tolerances and limits of Newton's method by the names of statics.snes.Solver.
+            solver_arguments: tolerances and limits of Newton's method by the names of IncrementSolver (C++).
             callback: function that is called after each step, or None.
             update: function that sets values for a time, or None.
             accepted: function that takes a step over into the histories, and returns the drift of the energy [1].
@@ -175,12 +174,20 @@ class ImplicitStepper(Described):
         self.control = control
         log = StepLog(self.comm, verbose)
         with self.calls.running(), Interrupts(self.comm) as interrupts:
-            with Solver(self.equations, interrupts=interrupts, **solver_arguments) as solver:
-                self._solver, self._log = solver, log
-                try:
-                    self._advance(until, control, callback, update, accepted, progress, interrupts)
-                finally:
-                    self._solver = self._log = None
+
+            def iteration(i: int, norm: float, scale: float, size: int, changes: int) -> None:
+                log.iteration(i, norm, scale, size, changes)
+                interrupts.check()
+
+            self._log, self._solver = log, _cpp.solve.IncrementSolver(
+                self.equations.equilibrium, log=log, progress=log.progress.show, iteration=iteration, **solver_arguments
+            )
+            try:
+                self._advance(until, control, callback, update, accepted, progress, interrupts)
+                self._solver.free()
+            finally:
+                self._solver.tell_nobody()
+                self._solver = self._log = None
             interrupts.check()
 
     def _advance(
@@ -237,8 +244,8 @@ class ImplicitStepper(Described):
         Returns:
             Increment; its `fault` says why it did not converge.
         """
-        assert self._solver is not None and self._log is not None  # inside `advance`
-        return self._solver.run(target, self._log)
+        assert self._solver is not None  # inside `advance`
+        return self._solver.run(target)
 
     def _called(self, function: Callable[..., object], *given: object) -> BaseException | None:
         """Call a user's function, which must not write to the motion.
