@@ -65,6 +65,8 @@ public:
     Saved out{like.copy(), {}};
     const state::State supports = _identity.supports.copy();
     const std::vector<Block> of_state = blocks(out.state), of_identity = blocks(supports);
+    check_same(_comm, of_identity);
+    check_same(_comm, of_state);
     guarded([&] { open(); });
     common::agree(_comm, [&] { compare(of_state); });
     check_same_file();

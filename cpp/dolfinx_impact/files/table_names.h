@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "Block.h"
+#include <mpi.h>
 #include <string>
+#include <vector>
 
 /// Names of tables in files.
 namespace dolfinx_impact::files
@@ -14,4 +16,8 @@ inline constexpr const char* x_table = "nodes/x";         ///< undeformed coordi
 std::string values_table(const Block& block);
 /// Table of the nodes or facets of a block, which has some.
 std::string numbers_table(const Block& block);
+
+/// Refuse states that have other fields or parts on another rank: its rows would be mixed up. Collective.
+/// @throws common::Failure on all ranks
+void check_same(MPI_Comm comm, const std::vector<Block>& blocks);
 } // namespace dolfinx_impact::files

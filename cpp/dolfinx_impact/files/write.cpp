@@ -310,13 +310,14 @@ void write(const std::filesystem::path& path, const dolfinx::fem::FunctionSpace<
            const Identity& identity, const Attributes& more)
 {
   const MPI_Comm comm = V.mesh()->comm();
+  std::vector<Block> all = blocks(identity.supports);
+  std::ranges::move(blocks(state), std::back_inserter(all));
+  check_same(comm, all);
   std::vector<Rows> rows;
   Attributes attributes;
   common::agree(comm,
                 [&]
                 {
-                  std::vector<Block> all = blocks(identity.supports);
-                  std::ranges::move(blocks(state), std::back_inserter(all));
                   rows = all_rows(V, all);
                   attributes = all_attributes(V, all, identity, more);
                 });

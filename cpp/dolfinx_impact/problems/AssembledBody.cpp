@@ -114,10 +114,18 @@ state::State AssembledBody::state()
 {
   state::State out("bodies");
   int number = 0;
+  for (const auto& history : histories())
+    out.add(history->state("history " + std::to_string(number++)));
+  return out;
+}
+
+std::vector<std::shared_ptr<operators::PointHistory>> AssembledBody::histories() const
+{
+  std::vector<std::shared_ptr<operators::PointHistory>> out;
   for (const KernelForce& f : _kernels.forces)
     for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
       if (const auto& history = f.force->history(i))
-        out.add(history->state("history " + std::to_string(number++)));
+        out.push_back(history);
   return out;
 }
 } // namespace dolfinx_impact::problems

@@ -53,6 +53,7 @@ public:
   std::string fault() override;
   void accept_step() override;
   state::State state() override;
+  std::vector<std::shared_ptr<operators::PointHistory>> histories() const override;
   /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
   std::optional<double> stored_energy() override;
 

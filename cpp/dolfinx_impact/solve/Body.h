@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../operators/PointHistory.h"
 #include "../state/State.h"
 #include "BodyProperties.h"
+#include <memory>
 #include <optional>
 #include <petscmat.h>
 #include <petscvec.h>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace dolfinx_impact::solve
 {
@@ -29,6 +32,8 @@ public:
   virtual void accept_step() {}
   /// Internal variables that the next step begins from, as views: copied, the bodies can be brought back to them.
   virtual state::State state() { return state::State("bodies"); }
+  /// Internal variables of each integral that has some. Not collective.
+  virtual std::vector<std::shared_ptr<operators::PointHistory>> histories() const { return {}; }
   /// Energy stored in the bodies and their foundations at the last residual, of all ranks; nothing: it is not known
   /// [F L].
   virtual std::optional<double> stored_energy() { return {}; }
