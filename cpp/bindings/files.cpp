@@ -67,7 +67,7 @@ Identity as_identity(const nb::dict& values, const std::map<std::string, std::st
   return out;
 }
 
-nb::bytes as_bytes(std::span<const std::byte> data)
+nb::bytes to_bytes(std::span<const std::byte> data)
 {
   return nb::bytes(data.data(), data.size());
 }
@@ -167,7 +167,7 @@ void dolfinx_impact::bindings::files(nb::module_& m)
   nb::class_<SealedFile>(m, "SealedFile", "A file under checksums, whose structure has been verified")
       .def(nb::new_([](const std::string& path) { return std::make_unique<SealedFile>(path); }), nb::arg("path"))
       .def_prop_ro(
-          "mark", [](const SealedFile& self) { return as_bytes(std::as_bytes(std::span(self.mark()))); },
+          "mark", [](const SealedFile& self) { return to_bytes(std::as_bytes(std::span(self.mark()))); },
           "Checksum of all checksums, 16 bytes")
       .def_prop_ro("size", &SealedFile::size, "Bytes before the seal")
       .def_prop_ro(
@@ -187,7 +187,7 @@ void dolfinx_impact::bindings::files(nb::module_& m)
         const auto* data = static_cast<const std::byte*>(content.data());
         const auto structure = [data](std::int64_t begin, std::int64_t end)
         { return std::vector<std::byte>(data + begin, data + end); };
-        return as_bytes(seal({}, structure, std::int64_t(content.size())));
+        return to_bytes(seal({}, structure, std::int64_t(content.size())));
       },
       nb::arg("content"), "Seal of a file with this content, to be written behind it");
 }

@@ -49,6 +49,7 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::bodies(problems);
   dolfinx_impact::bindings::problems(problems);
   dolfinx_impact::bindings::static_problem(problems);
+  dolfinx_impact::bindings::implicit_problem(problems);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   dolfinx_impact::bindings::bench(bench);
 }

@@ -33,5 +33,6 @@ void integrators(nanobind::module_& m);
 void newmark(nanobind::module_& m);
 void problems(nanobind::module_& m);
 void static_problem(nanobind::module_& m);
+void implicit_problem(nanobind::module_& m);
 void bench(nanobind::module_& m);
 } // namespace dolfinx_impact::bindings

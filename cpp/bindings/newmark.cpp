@@ -52,29 +52,6 @@ Places places_of(const Array& values)
   return out;
 }
 
-/// What drives a run, as a Python object with the members of dynamics/implicit/excitation.py.
-class PythonExcitation : public Excitation
-{
-public:
-  explicit PythonExcitation(nb::object excitation) : _excitation(std::move(excitation)) {}
-  TimeValues sample(std::optional<double> step, double time) override
-  {
-    return nb::cast<TimeValues>(_excitation.attr("sample")(step, time));
-  }
-  void scale(std::span<const double> factors) override
-  {
-    _excitation.attr("scale")(take(std::vector<double>(factors.begin(), factors.end())));
-  }
-  void unscale() override { _excitation.attr("unscale")(); }
-  std::vector<double> external_forces() override
-  {
-    return copy_of(nb::cast<Array>(_excitation.attr("external_forces")()));
-  }
-
-private:
-  nb::object _excitation;
-};
-
 void bind_scheme(nb::module_& m)
 {
   nb::class_<ImplicitScheme>(m, "ImplicitScheme",
@@ -142,17 +119,6 @@ void bind_motion(nb::module_& m)
   field(motion, "acceleration", &Motion::acceleration);
   field(motion, "mean", &Motion::mean);
   motion.def("state", &Motion::state, nb::arg("block_size"), nb::keep_alive<0, 1>(), "Its arrays as a State");
-  nb::class_<TimeValues> values(m, "TimeValues", "What functions of time prescribe at one time");
-  values.def(
-      "__init__",
-      [](TimeValues* self, double time, Array displacement, Array velocity, Array acceleration, Array factors,
-         Array places)
-      {
-        new (self) TimeValues{
-            time, copy_of(displacement), copy_of(velocity), copy_of(acceleration), copy_of(factors), places_of(places)};
-      },
-      nb::arg("time"), nb::arg("displacement"), nb::arg("velocity"), nb::arg("acceleration"), nb::arg("factors"),
-      nb::arg("places"));
   nb::class_<Forces> forces(m, "Forces", "Forces at one time, over owned degrees of freedom");
   forces.def(
       "__init__",
@@ -230,45 +196,11 @@ void bind_bodies(nb::module_& m)
                                              linear);
           },
           nb::arg("forces"), nb::arg("tangent"), nb::arg("linear"));
-  nb::class_<MovingBody, dolfinx_impact::solve::Body>(m, "MovingBody", "Bodies with inertia over one implicit step")
-      .def(nb::init<std::shared_ptr<dolfinx_impact::solve::Body>, std::shared_ptr<Function>, std::shared_ptr<Function>,
-                    std::shared_ptr<const Inertia>, double, std::shared_ptr<VelocityForce>>(),
-           nb::arg("body"), nb::arg("displacement"), nb::arg("velocity"), nb::arg("inertia"), nb::arg("alpha") = 0.0,
-           nb::arg("damping") = nb::none());
 }
 
 void bind_stepper(nb::module_& m)
 {
-  nb::class_<Excitation>(m, "Excitation", "Loads, supports and rigid masters as functions of time");
-  nb::class_<PythonExcitation, Excitation>(m, "PythonExcitation", "One that is a Python object")
-      .def(nb::init<nb::object>(), nb::arg("excitation"));
   nb::class_<ImplicitStepper>(m, "ImplicitStepper", "Implicit steps, repeated with half the length where one fails")
-      .def(
-          "__init__",
-          [](ImplicitStepper* self, std::shared_ptr<const dolfinx_impact::solve::EquilibriumProblem> equations,
-             std::shared_ptr<MovingBody> body, const ImplicitScheme& scheme, std::shared_ptr<Excitation> excitation,
-             Array total_mass, std::shared_ptr<Function> velocity, std::shared_ptr<Function> acceleration)
-          {
-            new (self) ImplicitStepper(std::move(equations), std::move(body), scheme, std::move(excitation),
-                                       copy_of(total_mass), std::move(velocity), std::move(acceleration));
-          },
-          nb::arg("equations"), nb::arg("body"), nb::arg("scheme"), nb::arg("excitation"), nb::arg("total_mass"),
-          nb::arg("velocity"), nb::arg("acceleration"))
-      .def("enter_contact", &ImplicitStepper::enter_contact, "Evaluate contacts at the start. Collective")
-      .def("start", &ImplicitStepper::start, nb::arg("step") = nb::none(),
-           "Begin with the present functions, accelerations in equilibrium. Collective")
-      .def("resume", &ImplicitStepper::resume, "Compute what follows from a restored motion. Collective")
-      .def(
-          "take_step",
-          [](ImplicitStepper& self, double goal, StepControl& control, std::function<Increment(nb::object)> solver,
-             std::function<void(const std::string&)> log, std::function<void(double)> update)
-          {
-            self.take_step(goal, control, [&](std::span<const double> target)
-                           { return solver(nb::cast(take(std::vector<double>(target.begin(), target.end())))); },
-                           {std::move(log), std::move(update)});
-          },
-          nb::arg("goal"), nb::arg("control"), nb::arg("solver"), nb::arg("log"), nb::arg("update"),
-          "Take one step on the way to a time. Collective")
       .def("update_gaps", &ImplicitStepper::update_gaps, "Gaps of the present displacement. Collective")
       .def("show_motion", &ImplicitStepper::show_motion, "Set velocity and acceleration functions. Collective")
       .def(
@@ -279,23 +211,10 @@ void bind_stepper(nb::module_& m)
             return take(std::vector<double>(values.begin(), values.end()));
           },
           nb::rv_policy::move, "Energies in the order of run_history.ENERGIES. Collective")
-      .def("set_time", &ImplicitStepper::set_time, nb::arg("time"), nb::arg("step"))
       .def_prop_ro("time", &ImplicitStepper::time)
       .def_prop_ro("step", &ImplicitStepper::step)
-      .def_prop_rw("motion", &ImplicitStepper::motion, &ImplicitStepper::set_motion, nb::rv_policy::reference_internal)
+      .def_prop_ro("motion", &ImplicitStepper::motion, nb::rv_policy::reference_internal)
       .def_prop_ro("account", &ImplicitStepper::account, nb::rv_policy::reference_internal)
-      .def_prop_rw(
-          "start_displacement",
-          [](nb::handle self)
-          {
-            std::vector<double>& values = nb::cast<ImplicitStepper&>(self).start_displacement();
-            const std::size_t shape[] = {values.size()};
-            return nb::cast(nb::ndarray<nb::numpy, double>(values.data(), 1, shape, self));
-          },
-          [](ImplicitStepper& self, Array values) { self.start_displacement() = copy_of(values); })
-      .def_prop_rw(
-          "largest_displacement", [](ImplicitStepper& self) { return self.largest_displacement(); },
-          [](ImplicitStepper& self, double value) { self.largest_displacement() = value; })
       .def_prop_ro("iterations", &ImplicitStepper::iterations)
       .def_prop_ro("cut_backs", &ImplicitStepper::cut_backs)
       .def_prop_ro("rejected", &ImplicitStepper::rejected);

@@ -4,10 +4,12 @@
 #include "dolfinx_impact/problems/ExplicitProblem.h"
 #include "dolfinx_impact/problems/explicit_state.h"
 #include "dolfinx_impact/problems/failed_run.h"
+#include "functions_of_time.h"
 #include <nanobind/stl/optional.h>
 
 namespace nb = nanobind;
 using namespace dolfinx_impact::problems;
+using dolfinx_impact::bindings::from_table;
 using dolfinx_impact::bindings::Indices;
 using dolfinx_impact::bindings::MutableValues;
 using dolfinx_impact::bindings::take;
@@ -133,21 +135,6 @@ nb::object all_ranks(const F& act)
     }
   }
   return thrown ? nb::cast(nb::make_tuple(thrown->first, thrown->second)) : nb::object(nb::none());
-}
-
-/// A function of time whose later values the observer's table has; here it has one value at the start.
-std::optional<FunctionOfTime> from_table(const std::optional<Values>& start)
-{
-  if (!start)
-    return std::nullopt;
-  return FunctionOfTime(
-      [value = std::vector<double>(start->data(), start->data() + start->size())](std::span<const double> times,
-                                                                                  std::span<double> values)
-      {
-        for (std::size_t k = 0; k < times.size(); ++k)
-          std::copy(value.begin(), value.end(), values.begin() + std::ptrdiff_t(k * value.size()));
-      },
-      int(start->size()), "a function of time");
 }
 
 void bind_history(nb::module_& m)

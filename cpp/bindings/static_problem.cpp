@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
-#include "dolfinx_impact/problems/StaticProblem.h"
+#include "dolfinx_impact/problems/static_state.h"
 #include <nanobind/stl/function.h>
 
 namespace nb = nanobind;
@@ -73,7 +73,12 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
       .def(
           "reactions", [](StaticProblem& self) { return take(self.reactions()); }, nb::rv_policy::move,
           "Residual of equilibrium, owned [F]. Collective")
-      .def("state", &StaticProblem::state, nb::keep_alive<0, 1>(), "Views of what the next solve starts from")
+      .def(
+          "saved_state", [](StaticProblem& self) { return saved_state(self); },
+          "What the next solve starts from, values of its own. Collective")
+      .def(
+          "resume", [](StaticProblem& self, const dolfinx_impact::state::State& saved) { resume(self, saved); },
+          nb::arg("saved"), "Go on from what saved_state has returned. Collective")
       .def("forget", &StaticProblem::forget, "Forget what `state` does not have. Collective")
       .def_prop_ro("equilibrium",
                    [](const StaticProblem& self) { return std::const_pointer_cast<EquilibriumProblem>(self.equilibrium()); });

@@ -145,8 +145,9 @@ private:
     if (!there || !equal(Value(format), *there, 0.0))
       throw common::BadValue(_path + " has format " + (there ? to_string(*there) : "none") + ", this version reads " +
                              std::to_string(format));
-    compare({"num_cells", topology.index_map(topology.dim())->size_global()});
-    compare({"num_nodes", _V.dofmap()->index_map->size_global()});
+    const std::string mesh = "it is of another mesh";
+    compare({"num_cells", topology.index_map(topology.dim())->size_global(), mesh});
+    compare({"num_nodes", _V.dofmap()->index_map->size_global(), mesh});
     for (const Attribute& a : _identity.attributes)
       compare(a);
     std::vector<std::string> names{"ranks"};

@@ -93,6 +93,14 @@ void AssembledBody::accept_step()
     f.force->commit();
 }
 
+void AssembledBody::set_energies(std::vector<KernelForce> energies,
+                                 const std::vector<std::shared_ptr<dolfinx::fem::Function<double>>>& functions)
+{
+  _kernels.functions.insert(_kernels.functions.end(), functions.begin(), functions.end());
+  _kernels.energies = std::move(energies);
+  _kernels.energy_is_known = true;
+}
+
 std::optional<double> AssembledBody::stored_energy()
 {
   if (!_kernels.energy_is_known)
@@ -110,6 +118,17 @@ std::optional<double> AssembledBody::stored_energy()
   return sum;
 }
 
+/// Internal variables of each integral that has some.
+operators::Histories AssembledBody::histories() const
+{
+  operators::Histories out;
+  for (const KernelForce& f : _kernels.forces)
+    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
+      if (const auto& history = f.force->history(i))
+        out.push_back(history);
+  return out;
+}
+
 state::State AssembledBody::state()
 {
   state::State out("bodies");
@@ -119,13 +138,11 @@ state::State AssembledBody::state()
   return out;
 }
 
-std::vector<std::shared_ptr<operators::PointHistory>> AssembledBody::histories() const
+state::State AssembledBody::saved_state()
 {
-  std::vector<std::shared_ptr<operators::PointHistory>> out;
-  for (const KernelForce& f : _kernels.forces)
-    for (std::size_t i = 0; i < f.force->num_integrals(); ++i)
-      if (const auto& history = f.force->history(i))
-        out.push_back(history);
-  return out;
+  const auto topology = _u->function_space()->mesh()->topology();
+  return operators::saved_history(histories(), topology->index_map(topology->dim())->size_local());
 }
+
+void AssembledBody::resume(const state::State& saved) { operators::resume_history(histories(), saved); }
 } // namespace dolfinx_impact::problems

@@ -2,6 +2,7 @@
 #pragma once
 #include "../operators/InternalForce.h"
 #include "../operators/KernelTangent.h"
+#include "../operators/saved_history.h"
 #include "../solve/Body.h"
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/la/Vector.h>
@@ -53,10 +54,15 @@ public:
   std::string fault() override;
   void accept_step() override;
   state::State state() override;
-  std::vector<std::shared_ptr<operators::PointHistory>> histories() const override;
+  state::State saved_state() override;
+  void resume(const state::State& saved) override;
   /// Energy of laws without internal variables at the present displacement, and elastic energy of the others.
   std::optional<double> stored_energy() override;
 
+  /// Say what stores energy beside laws with internal variables: with these, all energy is known.
+  /// @param[in] functions that they read, whose ghosts are updated before every call
+  void set_energies(std::vector<KernelForce> energies,
+                    const std::vector<std::shared_ptr<dolfinx::fem::Function<double>>>& functions = {});
   /// External forces at owned and ghost degrees of freedom, zero at first; ghosts are not read [F].
   std::vector<double>& loads() { return _loads; }
   /// Operators of the residual by kernels, which keep the internal variables.
@@ -66,6 +72,7 @@ public:
 
 private:
   void update_ghosts();
+  operators::Histories histories() const;
 
   std::shared_ptr<dolfinx::fem::Function<double>> _u;
   Form _form;

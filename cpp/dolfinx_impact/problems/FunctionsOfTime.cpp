@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "FunctionsOfTime.h"
+#include "../common/OnAllRanks.h"
+#include "../common/agree.h"
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -47,6 +49,20 @@ std::vector<double> FunctionsOfTime::table(std::span<const double> times) const
       std::copy_n(part.begin() + k * f.size(), f.size(), out.begin() + k * _num_columns + column);
     column += f.size();
   }
+  return out;
+}
+
+std::vector<double> FunctionsOfTime::table_on_all_ranks(MPI_Comm comm, std::span<const double> times) const
+{
+  if (!_source)
+  {
+    std::vector<double> out;
+    common::agree(comm, [&] { out = table(times); });
+    return out;
+  }
+  std::vector<double> out = _source(times);
+  if (out.size() != times.size() * _num_columns)
+    throw common::BadValue("a table of functions of time has another size");
   return out;
 }
 } // namespace dolfinx_impact::problems

@@ -3,6 +3,7 @@
 #include <array>
 #include <concepts>
 #include <functional>
+#include <mpi.h>
 #include <span>
 #include <string>
 #include <vector>
@@ -70,9 +71,17 @@ public:
   /// @returns values (num_times, num_columns)
   /// @throws std::invalid_argument for values that are not finite
   std::vector<double> table(std::span<const double> times) const;
+  /// The same where all ranks sample; an exception on one is one on all. Collective.
+  std::vector<double> table_on_all_ranks(MPI_Comm comm, std::span<const double> times) const;
+
+  /// Returns the table in place of the functions; is called on all ranks, and throws on all alike.
+  typedef std::function<std::vector<double>(std::span<const double> times)> Source;
+  /// Let somebody else sample all functions, who may know the problem that has these; empty: nobody.
+  void set_source(Source source) { _source = std::move(source); }
 
 private:
   std::vector<FunctionOfTime> _functions;
   int _num_columns = 0;
+  Source _source;
 };
 } // namespace dolfinx_impact::problems

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../integrators/newmark/ImplicitStepper.h"
-#include "../solve/Newton.h"
+#include "../solve/IncrementSolver.h"
 #include "RunHistory.h"
-#include "TransientProblem.h"
+#include "TimeExcitation.h"
 #include "implicit_body.h"
 #include "make_equilibrium.h"
 #include <functional>
@@ -13,14 +13,6 @@
 
 namespace dolfinx_impact::problems
 {
-/// A contact of implicit steps, made with prescribed_dofs of the same supports.
-struct ImplicitContact
-{
-  std::shared_ptr<enforcement::StaticContact> contact;
-  /// Displacement of a rigid master, beside that which it has at the start; nothing: it stays there [L].
-  std::optional<FunctionOfTime> motion = std::nullopt;
-};
-
 struct NewmarkOptions
 {
   integrators::ImplicitScheme scheme = {}; ///< by default the trapezoidal rule
@@ -39,6 +31,23 @@ struct ImplicitAdvance
   int max_iterations = 25; ///< of Newton's method, per step
 };
 
+/// Whom a run tells and asks; functions may be empty. They are called on all ranks, and may throw.
+struct ImplicitRunEvents
+{
+  solve::NewtonEvents newton = {};
+  /// The values of a time are asked for: before a step that ends then is solved, of the start, and of the present time
+  /// after a step that was given up.
+  std::function<void(double)> update = {};
+  /// Accelerations of the start were computed anew, and are in the history.
+  std::function<void()> started = {};
+  /// The first step of the call begins.
+  std::function<void()> begins = {};
+  /// Is asked before each step: time at which one must end, at latest [T].
+  std::function<double()> goal = {};
+  /// A step has been taken, and is in the history.
+  std::function<void()> accepted = {};
+};
+
 /// Motion of bodies by Newmark's method or generalised-alpha, in contact or not; docs/implicit/scheme.md.
 class NewmarkProblem : public TransientProblem
 {
@@ -51,19 +60,23 @@ public:
   /// @param[in] v velocity at the start, becomes that of the present time; where motion is prescribed, its own counts.
   /// Null: at rest, for bodies whose damping reads none [L/T]
   /// @param[in] body as implicit_body makes it, or composed of one's own residual (FormBody) and mass
+  /// @param[in] a becomes the acceleration; null: a new function [L/T^2]
+  /// @param[in] source samples all functions of time in the constructor, in place of them; may be empty
   /// @throws std::invalid_argument for what does not fit; common::BadValue on all ranks if a prescribed displacement
   /// jumps at the start
   NewmarkProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, ImplicitBody body,
                  std::vector<PrescribedMotion> supports = {}, std::vector<LoadInTime> loads = {},
-                 std::vector<ImplicitContact> contacts = {}, const NewmarkOptions& options = {});
+                 std::vector<ImplicitContact> contacts = {}, const NewmarkOptions& options = {},
+                 std::shared_ptr<Function> a = nullptr, const FunctionsOfTime::Source& source = {});
   ~NewmarkProblem() override;
 
   /// Advance to a time; a step ends there. A step that does not converge is repeated with half its length. Collective.
   /// @param[in] callback is called after each step; may be empty
   /// @throws common::BadValue a time that has passed, or a value out of its range
   /// @throws common::Failure a step did not converge with the smallest length; the problem is in its last converged
-  /// state then, as after exceptions of the callback
-  void advance(double until, const ImplicitAdvance& options, const Callback& callback = {});
+  /// state then, as after exceptions of the callback and of events
+  void advance(double until, const ImplicitAdvance& options, const Callback& callback = {},
+               const ImplicitRunEvents& events = {});
 
   /// Energies at the present time, sums over ranks. Collective [F L].
   integrators::Energies energies() { return _stepper->energies(); }
@@ -76,19 +89,31 @@ public:
   /// Largest step with which nothing grows; infinite for schemes that are stable with any step. Collective.
   /// @throws common::Failure if the highest frequency is not found
   double stable_step();
+  /// Lengths of the steps of the last call of `advance`; nothing before the first.
+  const std::optional<integrators::StepControl>& control() const { return _control; }
+  void set_control(std::optional<integrators::StepControl> control) { _control = control; }
+  /// Forget what `state` does not have, factors and candidates of the search: a problem that was copied and one that
+  /// was brought back go on alike. Collective.
+  void forget();
+  /// Take over the time and the step of the stepper.
+  void set_time();
 
-  const solve::EquilibriumProblem& equilibrium() const { return *_equilibrium; }
-  const integrators::ImplicitStepper& stepper() const { return *_stepper; }
+  const std::shared_ptr<solve::EquilibriumProblem>& equilibrium() const { return _equilibrium; }
+  integrators::ImplicitStepper& stepper() { return *_stepper; }
+  RunHistory& history() { return _history; }
+  const ImplicitBody& body() const { return _body; }
 
 private:
-  class TimeExcitation;
   void add_row();
+  void take_steps(double until, const Callback& callback, const ImplicitRunEvents& events);
 
   NewmarkOptions _options;
   ImplicitBody _body;
   std::shared_ptr<solve::EquilibriumProblem> _equilibrium;
   std::unique_ptr<integrators::ImplicitStepper> _stepper;
   std::optional<integrators::StepControl> _control; ///< of the last call of `advance`
+  /// Of the present call. After an exception, which may be that of one rank, it stays until ranks are together again.
+  std::unique_ptr<solve::IncrementSolver> _solver;
   RunHistory _history;
 };
 } // namespace dolfinx_impact::problems

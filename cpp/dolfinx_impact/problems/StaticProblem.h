@@ -71,6 +71,8 @@ public:
   /// Residual of equilibrium at the present displacements, owned: support forces at prescribed degrees of freedom,
   /// round-off elsewhere [F]. Collective.
   std::vector<double> reactions();
+  /// External forces that are applied in parts, and those that were reached.
+  const std::vector<solve::Ramp>& loads() const { return _loads; }
   std::shared_ptr<const solve::EquilibriumProblem> equilibrium() const { return _equilibrium; }
   /// Forget what `state` does not have, factors and candidates of the search: a problem that was copied and one that
   /// was brought back go on alike. Collective.

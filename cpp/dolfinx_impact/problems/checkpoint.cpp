@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "checkpoint.h"
 #include "../common/OnAllRanks.h"
-#include "../common/agree.h"
-#include "material_state.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -14,46 +12,6 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
-std::size_t num_owned_cells(const dolfinx::fem::FunctionSpace<double>& V)
-{
-  const auto& topology = *V.mesh()->topology();
-  return topology.index_map(topology.dim())->size_local();
-}
-
-std::string contact_part(std::size_t k)
-{
-  return "contact" + std::to_string(k);
-}
-
-/// Internal variables and contacts.
-void add_bodies(State& out, const solve::EquilibriumProblem& equilibrium)
-{
-  out.add(material_state(equilibrium.body->histories(), num_owned_cells(equilibrium.space())));
-  for (std::size_t k = 0; k < equilibrium.contacts.size(); ++k)
-    out.add(std::move(equilibrium.contacts[k]->saved_state().rename(contact_part(k))));
-}
-
-/// Set displacement, internal variables and contacts. Collective.
-void resume_bodies(const solve::EquilibriumProblem& equilibrium, std::span<const double> displacement,
-                   const State& saved)
-{
-  const std::span<double> u = equilibrium.u->x()->mutable_array();
-  std::ranges::copy(displacement, u.begin());
-  equilibrium.u->x()->scatter_fwd();
-  set_material(equilibrium.body->histories(), saved.part("material"));
-  for (std::size_t k = 0; k < equilibrium.contacts.size(); ++k)
-    equilibrium.contacts[k]->resume(saved.part(contact_part(k)), u);
-}
-
-/// Whether a load of a static problem is nodal forces; otherwise it is the same numbers on all ranks. Collective.
-bool is_nodal(const solve::EquilibriumProblem& equilibrium, std::size_t size)
-{
-  const std::size_t owned = equilibrium.num_owned(), all = equilibrium.fixed.size();
-  int nodal = size == owned || size == all;
-  MPI_Allreduce(MPI_IN_PLACE, &nodal, 1, MPI_INT, MPI_MIN, equilibrium.space().mesh()->comm());
-  return nodal != 0;
-}
-
 /// Mask of prescribed components at the nodes that have some.
 State supports_of(const dolfinx::fem::FunctionSpace<double>& V, std::span<const std::int8_t> mask)
 {
@@ -100,10 +58,11 @@ files::Identity identity_of(const TransientProblem& problem, const std::string& 
 }
 
 /// Refuse numbers that no run has. All ranks have read the same ones.
+/// @param[in] infinite whether infinite ones may be there
 void check_numbers(const std::filesystem::path& path, const State& saved, bool infinite)
 {
   for (const state::Field& field : saved.fields())
-    if (field.place == Place::all)
+    if (field.place == Place::all && !field.name.starts_with("step ")) // lengths of steps: no number where there is none
       if (const auto* values = std::get_if<std::span<double>>(&field.values))
         for (double value : *values)
           if (std::isnan(value) || (!infinite && std::isinf(value)))
@@ -126,37 +85,6 @@ const files::ReadOptions explicit_options{{"schedule"}, {"common"}, {"common"}};
 
 // --- static problems ---
 
-State saved_state(StaticProblem& problem)
-{
-  const solve::EquilibriumProblem& equilibrium = *problem.equilibrium();
-  const State now = problem.state();
-  const std::size_t bs = equilibrium.space().dofmap()->index_map_bs();
-  State out("static problem");
-  for (const state::Field& field : now.fields())
-  {
-    const std::span<const double> values = std::get<std::span<double>>(field.values);
-    if (field.place != Place::rank)
-      out.add_own(field.name, field.place, std::vector<double>(values.begin(), values.end()), field.columns);
-    else if (is_nodal(equilibrium, values.size()))
-      out.add_own(field.name, Place::node,
-                  std::vector<double>(values.begin(), values.begin() + std::ptrdiff_t(equilibrium.num_owned())), bs);
-    else
-      out.add_own(field.name, Place::all, std::vector<double>(values.begin(), values.end()));
-  }
-  add_bodies(out, equilibrium);
-  return out;
-}
-
-void resume(StaticProblem& problem, const State& saved)
-{
-  State now = problem.state();
-  for (const state::Field& field : now.fields()) // nodal loads may have ghosts, which are not read
-    std::ranges::copy(saved.values<double>(field.name), std::get<std::span<double>>(field.values).begin());
-  resume_bodies(*problem.equilibrium(), saved.values<double>("displacement"), saved);
-  problem.resume();
-  problem.forget();
-}
-
 void save(const std::filesystem::path& path, StaticProblem& problem, const files::Attributes& identity)
 {
   files::write(path, problem.equilibrium()->space(), saved_state(problem), identity_of(problem, identity));
@@ -169,40 +97,19 @@ void restore(const std::filesystem::path& path, StaticProblem& problem, const fi
       files::read(path, problem.equilibrium()->space(), saved_state(problem), identity_of(problem, identity));
   check_numbers(path, saved.state, false);
   resume(problem, saved.state);
+  problem.forget();
 }
 
 // --- implicit problems ---
 
-State saved_state(NewmarkProblem& problem)
-{
-  const State now = problem.state();
-  State out(now.name());
-  for (const state::Field& field : now.fields())
-    out.add_copies(now, std::array{field.name});
-  for (const char* name : {"motion", "account"})
-    out.add(now.part(name).copy());
-  add_bodies(out, problem.equilibrium());
-  return out;
-}
-
-void resume(NewmarkProblem& problem, const State& saved)
-{
-  State now = problem.state();
-  now.assign_common(saved);
-  for (const char* name : {"motion", "account"})
-    State(now.part(name)).assign(saved.part(name));
-  resume_bodies(problem.equilibrium(), saved.part("motion").values<double>("displacement"), saved);
-  problem.resume();
-}
-
 void save(const std::filesystem::path& path, NewmarkProblem& problem, const files::Attributes& identity)
 {
-  files::write(path, problem.equilibrium().space(), saved_state(problem), identity_of(problem, "implicit", identity));
+  files::write(path, problem.equilibrium()->space(), saved_state(problem), identity_of(problem, "implicit", identity));
 }
 
 void restore(const std::filesystem::path& path, NewmarkProblem& problem, const files::Attributes& identity)
 {
-  const files::Saved saved = files::read(path, problem.equilibrium().space(), saved_state(problem),
+  const files::Saved saved = files::read(path, problem.equilibrium()->space(), saved_state(problem),
                                          identity_of(problem, "implicit", identity));
   check_numbers(path, saved.state, false);
   check_time(path, saved.state);

@@ -1,28 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../files/checkpoint.h"
-#include "ExplicitProblem.h"
-#include "NewmarkProblem.h"
-#include "StaticProblem.h"
 #include "explicit_state.h"
+#include "implicit_state.h"
+#include "static_state.h"
 #include <filesystem>
 
 /// Problems in files: written and read on any number of ranks; see files/checkpoint.h.
 namespace dolfinx_impact::problems
 {
-/// What a static problem goes on from, values of its own: displacement, internal variables, loads as reached, contacts.
-/// Collective.
-state::State saved_state(StaticProblem& problem);
-/// Go on from it, perhaps on other ranks; factors and candidates of the search are made anew. Collective.
-void resume(StaticProblem& problem, const state::State& saved);
-
-/// What an implicit problem goes on from, values of its own: time, motion, forces, works, internal variables, contacts.
-/// Not: constants, loads and functions of time; nor lengths that steps had, the next one begins with the largest.
-/// Collective.
-state::State saved_state(NewmarkProblem& problem);
-/// Go on from it, perhaps on other ranks; the history begins anew. Collective.
-void resume(NewmarkProblem& problem, const state::State& saved);
-
 /// Write a problem to a file. An earlier file stays until the new one is complete. Collective.
 /// @param[in] identity texts, numbers and arrays by which the problem is recognised, materials for example, beside its
 /// kind, mesh and supports, which are always compared

@@ -1,36 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "explicit_state.h"
-#include "material_state.h"
+#include "../operators/saved_history.h"
+#include "../state/numbers.h"
 #include <algorithm>
 
+using dolfinx_impact::state::add_number;
+using dolfinx_impact::state::number;
 using dolfinx_impact::state::Place;
 using dolfinx_impact::state::State;
+using dolfinx_impact::state::vector;
 
 namespace dolfinx_impact::problems
 {
 namespace
 {
-template <typename T>
-void add(State& out, const char* name, T value)
+operators::Histories histories_of(const ExplicitBody& body)
 {
-  out.add_own(name, Place::all, std::vector<T>{value});
-}
-
-template <typename T>
-T number(const State& saved, const char* name)
-{
-  return saved.values<T>(name)[0];
-}
-
-std::vector<double> vector(const State& saved, const char* name)
-{
-  const auto values = saved.values<double>(name);
-  return {values.begin(), values.end()};
-}
-
-Histories histories_of(const ExplicitBody& body)
-{
-  Histories out;
+  operators::Histories out;
   for (const auto& operation : {body.internal.inner, body.internal.outer})
     for (std::size_t i = 0; i < operation->num_integrals(); ++i)
       if (const auto& history = operation->history(i))
@@ -45,19 +31,19 @@ State with(ExplicitProblem& problem, State integrator)
   const integrators::StableStepWatch* watch = safe.watch();
   const RunHistory& history = problem.history();
   State out("explicit problem");
-  add(out, "time", problem.time());
-  add(out, "next_time", problem.stepper().next_time());
-  add(out, "step", problem.step());
-  add(out, "safe_step", step.value);
-  add(out, "nominal_step", problem.stepper().nominal_step());
-  add(out, "check_step", step.check_step);
-  add(out, "check_interval", step.check_interval);
-  add(out, "largest", history.largest());
-  add(out, "total_start", history.total_start().value_or(0.0));
-  add(out, "deformed", std::int64_t(step.deformed));
-  add(out, "input_change", safe.changes.stale ? safe.changes.total : -1.0);
-  add(out, "allowed_change", safe.changes.allowed);
-  add(out, "sensitivity", watch ? watch->seen().sensitivity : 0.0);
+  add_number(out, "time", problem.time());
+  add_number(out, "next_time", problem.stepper().next_time());
+  add_number(out, "step", problem.step());
+  add_number(out, "safe_step", step.value);
+  add_number(out, "nominal_step", problem.stepper().nominal_step());
+  add_number(out, "check_step", step.check_step);
+  add_number(out, "check_interval", step.check_interval);
+  add_number(out, "largest", history.largest());
+  add_number(out, "total_start", history.total_start().value_or(0.0));
+  add_number(out, "deformed", std::int64_t(step.deformed));
+  add_number(out, "input_change", safe.changes.stale ? safe.changes.total : -1.0);
+  add_number(out, "allowed_change", safe.changes.allowed);
+  add_number(out, "sensitivity", watch ? watch->seen().sensitivity : 0.0);
   if (watch)
   {
     const integrators::StableStepWatch::Seen& seen = watch->seen();
@@ -75,8 +61,8 @@ State with(ExplicitProblem& problem, State integrator)
       out.add(std::move(directions[j].rename("contact" + std::to_string(k) + "_" + std::to_string(j))));
   }
   const auto& topology = *problem.displacement()->function_space()->mesh()->topology();
-  if (const Histories histories = histories_of(problem.body()); !histories.empty())
-    out.add(material_state(histories, topology.index_map(topology.dim())->size_local()));
+  if (const operators::Histories histories = histories_of(problem.body()); !histories.empty())
+    out.add(operators::saved_history(histories, topology.index_map(topology.dim())->size_local()));
   return out;
 }
 } // namespace
@@ -94,8 +80,8 @@ State empty_state(ExplicitProblem& problem)
 void resume(ExplicitProblem& problem, const State& saved, const std::optional<integrators::StepSchedule>& schedule,
             RunObserver& observer)
 {
-  if (const Histories histories = histories_of(problem.body()); !histories.empty())
-    set_material(histories, saved.part("material"));
+  if (const operators::Histories histories = histories_of(problem.body()); !histories.empty())
+    operators::resume_history(histories, saved.part("material"));
   for (std::size_t k = 0; k < problem.contacts().size(); ++k)
   {
     enforcement::NodalPair pair = problem.contacts()[k].contact;

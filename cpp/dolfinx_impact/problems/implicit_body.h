@@ -3,6 +3,7 @@
 #include "../integrators/newmark/Inertia.h"
 #include "../integrators/newmark/VelocityForce.h"
 #include "../solve/Body.h"
+#include "BodyLoads.h"
 #include "DynamicMaterial.h"
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@ struct ImplicitBody
   std::vector<double> mass;                                      ///< lumped, per owned degree of freedom [M]
   double alpha = 0.0;                                            ///< factor of mass-proportional damping [1/T]
   std::shared_ptr<integrators::VelocityForce> damping = nullptr; ///< other damping; null: there is none
+  BodyLoads loads = {};                                          ///< that the residual of `body` contains
 };
 
 struct ImplicitBodyOptions

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../operators/PointHistory.h"
 #include "../state/State.h"
 #include "BodyProperties.h"
-#include <memory>
 #include <optional>
 #include <petscmat.h>
 #include <petscvec.h>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace dolfinx_impact::solve
 {
@@ -32,8 +29,11 @@ public:
   virtual void accept_step() {}
   /// Internal variables that the next step begins from, as views: copied, the bodies can be brought back to them.
   virtual state::State state() { return state::State("bodies"); }
-  /// Internal variables of each integral that has some. Not collective.
-  virtual std::vector<std::shared_ptr<operators::PointHistory>> histories() const { return {}; }
+  /// The same as a checkpoint holds them, values of their own by owned cell: those of other ranks, too, can be gone on
+  /// from. Without internal variables it has no fields.
+  virtual state::State saved_state() { return state::State("material"); }
+  /// Continue from what `saved_state` of the same bodies has returned.
+  virtual void resume(const state::State&) {}
   /// Energy stored in the bodies and their foundations at the last residual, of all ranks; nothing: it is not known
   /// [F L].
   virtual std::optional<double> stored_energy() { return {}; }

@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: MIT
 """Supports and contacts of a problem in time, as the C++ side takes them."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 from dolfinx.fem import DirichletBC
 
 from .. import _cpp
-from ..amplitude import PrescribedMotion
-from ..contact.explicit.nodal import NodalResult
+from ..amplitude import Amplitude, PrescribedMotion
+from ..statics.newton import contact_in_cpp
 from .functions_of_time import FunctionsOfTime
+
+if TYPE_CHECKING:
+    from ..contact.explicit.nodal import NodalResult
+    from ..contact.mortar.lagrange import LagrangeContact
+    from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
 def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOfTime) -> _cpp.problems.PrescribedMotion:
@@ -41,3 +50,23 @@ def contact_in_time(contact: NodalResult, functions: FunctionsOfTime) -> _cpp.pr
         functions.add(contact.motion)
         start = contact.motion.sample(np.zeros(1))[0]
     return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.spring_frequency())
+
+
+def implicit_contact(
+    contact: LagrangeContact | QuadraturePenalty, functions: FunctionsOfTime
+) -> _cpp.problems.ImplicitContact:
+    """A contact of implicit steps.
+
+    Args:
+        contact: contact of an implicit problem.
+        functions: receives the motion of a rigid master.
+
+    Returns:
+        The C++ object, which has the master's displacement at the start.
+    """
+    right = contact_in_cpp(contact)
+    if not contact.pair.rigid:
+        return _cpp.problems.ImplicitContact(right, None, None)
+    master = contact.pair.rigid_master
+    functions.add(Amplitude(master.motion, f"motion of the rigid master of {contact.pair.name}", size=3))
+    return _cpp.problems.ImplicitContact(right, [float(d) for d in master.displacement], np.zeros(3))

@@ -10,7 +10,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 
 from .. import _cpp
-from ..assembly.operators import BilinearKernels, InternalForce
+from ..assembly.operators import BilinearKernels, Energy, InternalForce
 from ..common.described import Described
 
 
@@ -89,8 +89,6 @@ class AssembledBody(Described):
             None if residual is None else residual._cpp_object,
             matrix,
             forces=[force.live() for force in forces],
-            energies=[],
-            energy_is_known=False,
             tangent_constants=[constants for k in kernels for constants in k.constants],
             functions=[f._cpp_object for f in {id(f): f for f in read if f is not u}.values()],
             properties=properties,
@@ -98,6 +96,15 @@ class AssembledBody(Described):
         # FFCx's functions are Python's, which must live as long as the forms.
         self._keep = residual, tangent
         self.tangent = BodyMatrix(self._cpp_object, matrix.matrix)
+
+    def set_energies(self, energies: Sequence[Energy]) -> None:
+        """Say what stores energy beside laws with internal variables: with these, all energy is known.
+
+        Args:
+            energies: energies of elastic materials, and of springs.
+        """
+        read = [f for energy in energies for f in energy.coefficients.values()]
+        self._cpp_object.set_energies([energy.live() for energy in energies], [f._cpp_object for f in read])
 
     def in_cpp(self) -> _cpp.solve.Body:
         """The bodies as Newton's method in C++ sees them."""

@@ -7,51 +7,17 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from dolfinx.fem import FunctionSpace
 from petsc4py import PETSc
 
 from .. import _cpp
-from ..assembly.fields import field_dofs, is_mixed
 from ..common.described import Described
 from ..common.types import FloatArray, IntArray
 from ..contact.mortar.lagrange import LagrangeContact
 from ..contact.penalty.quadrature_penalty import QuadraturePenalty
-from .body import Body
 from .load_steps import StepLog
 
 if TYPE_CHECKING:
     from .equilibrium_problem import EquilibriumProblem
-
-
-def body_in_cpp(body: Body, stored_energy: Callable[[], float | None] | None = None) -> _cpp.solve.Body:
-    """Bodies as Newton's method in C++ sees them.
-
-    Args:
-        body: bodies.
-        stored_energy: function that returns the energy that is stored in the bodies at the last residual, None where it
-            is not known [F L]; or None.
-    """
-    found = body.in_cpp()
-    if stored_energy is None:
-        return found
-    return _cpp.solve.FunctionBody(
-        residual=found.residual,
-        tangent=found.tangent,
-        fault=found.fault,
-        accept_step=found.accept_step,
-        origin=None,
-        stored_energy=stored_energy,
-        properties=found.properties,
-    )
-
-
-def field_numbers(V: FunctionSpace) -> list[Any]:
-    """Owned degrees of freedom of each field of a mixed space; none for other spaces.
-
-    Args:
-        V: space.
-    """
-    return [d.astype(np.int32).tolist() for d in field_dofs(V)] if is_mixed(V) else []
 
 
 def contact_in_cpp(contact: Any) -> _cpp.enforcement.StaticContact:

@@ -12,16 +12,13 @@ import ufl
 from dolfinx.fem import Function, FunctionSpace
 
 from .. import _cpp
-from ..assembly.history import MaterialHistory
 from ..common.types import BoolArray, FloatArray, IntArray
-from ..contact.saved_contacts import add_contacts, resume_contacts
 from ..io import checkpoints
 from ..io.checkpoint import Subject, without_nodes
-from ..io.checkpoints import Checkpoints, Place, State, number
+from ..io.checkpoints import Checkpoints, number
 from ..io.given_arguments import GivenArguments
 from ..io.signature import Signature
 from ..materials import MaterialMap, _Material
-from .linear_solver import LinearSolver
 
 
 @dataclass
@@ -49,7 +46,6 @@ class SavedStatics(Protocol):
         axisymmetric: whether x is the radius.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         num_owned: number of degrees of freedom that this rank owns [1].
-        linear_solver: solver of the linear systems.
         solves: how far the problem has come.
     """
 
@@ -60,7 +56,6 @@ class SavedStatics(Protocol):
     axisymmetric: bool
     fixed: BoolArray
     num_owned: int
-    linear_solver: LinearSolver
     solves: Solves
 
     @property
@@ -72,12 +67,8 @@ class SavedStatics(Protocol):
         """Contacts with their results."""
 
     @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials."""
+    def _cpp_object(self) -> _cpp.problems.StaticProblem:
+        """The problem in C++."""
 
 
 class StaticRestart(Checkpoints):
@@ -130,33 +121,14 @@ class StaticRestart(Checkpoints):
         return ()
 
     def _state(self) -> _cpp.state.State:
-        """Displacement and loads are views."""
-        p = self.problem
-        out = State("static problem")
-        u = p.u.x.array[: p.num_owned].reshape(-1, p.space.dofmap.index_map_bs)
-        out.add("displacement", Place.node, u)
-        checkpoints.add_numbers(out, signs_are_checked=int(p.solves.signs_are_checked))
-        checkpoints.add_history(out, p)
-        reached = State("reached")  # values of loads that the last solve has reached
-        for k, load in enumerate(p.loads):
-            # A load of a user's own class without `ramps` acts in full from the first increment.
-            for i, (_, value) in enumerate(load.ramps() if hasattr(load, "ramps") else ()):
-                reached.add(f"load {k}, {i}", Place.all, value.reshape(-1))
-        out.add(reached)
-        add_contacts(out, p.contact)
+        out = self.problem._cpp_object.saved_state()
+        checkpoints.add_numbers(out, signs_are_checked=int(self.problem.solves.signs_are_checked))
         return out
 
     def _apply(self, saved: _cpp.state.State, attributes: Mapping[str, Any], checked: Any) -> None:
-        p, now = self.problem, self._state()
-        now.part("reached").assign(saved.part("reached"))
-        p.u.x.array[: p.num_owned] = saved.array("displacement").ravel()
-        p.u.x.scatter_forward()
-        checkpoints.set_history(saved, p)
-        resume_contacts(saved, p.contact, p.u.x.array)
-        p.solves.signs_are_checked = bool(number(saved, "signs_are_checked"))
+        self.problem._cpp_object.resume(saved)
+        self.problem.solves.signs_are_checked = bool(number(saved, "signs_are_checked"))
 
     def _forget(self) -> None:
         """Factors, candidates of the search."""
-        self.problem.linear_solver.reset()
-        for contact in self.problem.contact:
-            contact.forget()
+        self.problem._cpp_object.forget()

@@ -83,7 +83,7 @@ def test_interfaces_in_cpp_ask_for_members_of_the_contacts(checkout):
     for name, body in re.findall(r"class (\w+)[^;{]*\n\{(.*?)\n\};", text, re.DOTALL):
         asked[name] = set(re.findall(r"virtual [^;(]*?(\w+)\(", body)) - {name}
     assert set(asked) == {"StaticContact", "MultiplierContact"}
-    replaced = {"name", "state", "smallest_gap", "has_friction", "set_convex"}
+    replaced = {"name", "state", "smallest_gap", "has_friction", "set_convex", "mortar"}
     assert asked["StaticContact"] - set(dir(QuadraturePenalty)) - members(protocol.StaticContact)[1] <= replaced
     assert len(asked["StaticContact"] & set(dir(LagrangeContact))) > 20
     assert len(asked["MultiplierContact"] & set(dir(LagrangeContact))) > 10

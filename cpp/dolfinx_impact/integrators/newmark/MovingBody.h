@@ -42,7 +42,8 @@ public:
   std::string fault() override { return _body->fault(); }
   void accept_step() override { _body->accept_step(); }
   state::State state() override { return _body->state(); }
-  std::vector<std::shared_ptr<operators::PointHistory>> histories() const override { return _body->histories(); }
+  state::State saved_state() override { return _body->saved_state(); }
+  void resume(const state::State& saved) override { _body->resume(saved); }
   std::optional<double> stored_energy() override { return _body->stored_energy(); }
   std::span<const double> origin() const override { return _origin; }
 

@@ -13,11 +13,12 @@ import ufl
 from dolfinx import default_scalar_type, fem
 
 from ... import _cpp
-from ...amplitude import PrescribedMotion
+from ...amplitude import Amplitude, PrescribedMotion
 from ...assembly import problem_arguments
 from ...assembly.curvature import check_curvature, is_displacement
 from ...assembly.body_forms import stiffness_damping
 from ...assembly.operators import Inputs
+from ...assembly.ffcx_form import ffcx_form
 from ...assembly.fields import check_inertia, is_mixed
 from ...assembly.history import MaterialHistory, existing
 from ...assembly.history_field import HistoryField
@@ -29,8 +30,8 @@ from ...assembly.body_stress import BodyStress
 from ...assembly.cauchy_stress import STRESS, VON_MISES
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
-from ...common.collective import comm_of, guard
-from ...common.types import ArrayLike, FilePath, FloatArray
+from ...common.collective import agree, attempt, comm_of, guard
+from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
 from ...common.unique import Unique, claim
 from ...io.mesh_check import check_cells
@@ -40,29 +41,24 @@ from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
 from ...statics.material_body import MaterialBody
-from ...statics.newton import body_in_cpp
+from ...statics.linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
-from ..run_history import RunHistory, total_energy
+from ..in_time import implicit_contact, prescribed_motion
+from ..run_history import ENERGIES, RunHistory, total_energy
 from ..stable_step import cell_sizes
 from ..read_once import ReadOnce
-from ..subject import in_time
-from ..supports import Supports
 from .mass_redistribution import MassRedistribution
 from .damping import DampingForce
-from .excitation import Excitation
 from .growth_guard import GrowthGuard
 from .inertia import Inertia
-from .loads_in_time import LoadsInTime
-from .obstacle_motions import ObstacleMotions
 from .restart import ImplicitRestart
 from .scheme import scheme_of
-from .step_equations import StepEquations
-from .stored_energy import StoredEnergy
-from .stepper import MOST_STEPS, ImplicitStepper
+from .stepper import MOST_STEPS, ImplicitStepper, StepLimits
+from .stored_energies import stored_energies
 
 if TYPE_CHECKING:
     from ...contact.mortar.lagrange import Lagrange, LagrangeContact
@@ -131,9 +127,6 @@ class NewmarkProblem(Unique):
         mass: lumped mass per degree of freedom, by which a checkpoint recognises the bodies [M].
         evaluates: whether a function of the user computes what the residual reads.
         body: bodies without inertia.
-        equations: equations of a step.
-        obstacles: motions of rigid masters.
-        excitation: loads, supports and rigid masters at a time.
         read: values of supports and rigid masters that the problem goes on with.
         stepper: time stepping.
         run_history: energies and contact forces of all steps.
@@ -238,11 +231,15 @@ class NewmarkProblem(Unique):
         # What `evaluate` sets is no value that comes late.
         self.evaluates = evaluate is not None
         self.functions = FunctionsOfTime()
-        self.loads_in_time = LoadsInTime(self.loads)
-        for amplitude in self.loads_in_time.amplitudes:
-            self.functions.add(amplitude)
-        motion = Supports(bcs, u, self.functions)
-        self.supports, self.fixed = motion.parts, motion.mask
+        in_time = [load for load in self.loads if getattr(load, "amplitude", None) is not None]
+        scaled: list[tuple[Any, FloatArray]] = []  # constants of these loads, and their amplitudes at the start
+        for load in in_time:
+            self.functions.add(Amplitude(load.amplitude, f"amplitude of {type(load).__name__}"))
+            scaled.append((load.constant._cpp_object, np.ones(1)))
+        motions = [prescribed_motion(bc, self.functions) for bc in bcs]
+        self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
+        for bc in bcs:
+            self.fixed[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
         pairs = [c.pair for c in contact]
         surface = MassRedistribution(V, pairs) if pairs and impact == "mass_redistribution" else None
         owned = self.fixed[: self.num_owned]
@@ -250,37 +247,37 @@ class NewmarkProblem(Unique):
         self.mass = self.inertia.total
         # Forces of springs to the ground count as internal ones, and their energy with that of the bodies.
         springs = foundations(self.loads)
-        stored, damping = StoredEnergy(u, material, self.body, springs), self._damping_force(resisting, bodies)
-        moving_body = _cpp.integrators.MovingBody(
-            body_in_cpp(self.body, stored.value), u._cpp_object, self.velocity._cpp_object,
-            self.inertia._cpp_object, self.damping.alpha, None if damping is None else damping.in_cpp(),
-        )  # fmt: skip
-        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
-        self.obstacles = ObstacleMotions(self.contact, self.functions)
-        self.read = ReadOnce(motion, self.contact)
-        self.equations = StepEquations(u, self.axisymmetric, moving_body, self.contact, self.fixed, options, prefix)
-        self.linear_solver = self.equations.linear_solver
+        if isinstance(self.body, MaterialBody):
+            self.body.set_energies(stored_energies(u, bodies, springs))
+        damping_force = self._damping_force(resisting, bodies)
         work = external_work(u, bodies, [load for load in self.loads if load not in springs])
+        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
         read = [form for form in (residual, work) if form is not None]
         self.inputs = Inputs(
             [c for form in read for c in form.constants()], [f for form in read for f in form.coefficients()],
             (u, self.velocity),
         )  # fmt: skip
-        self.excitation = Excitation(
-            self.comm, self.functions, self.supports, self.num_owned, self.loads_in_time, work, self.obstacles
-        )
-        self.run_history = RunHistory(len(self.contact), mesh.geometry.dim)
-        self.stepper = ImplicitStepper(
-            self.equations, moving_body, self.scheme, self.excitation, self.inertia.total, self.velocity,
-            self.acceleration, material, self.inputs, self.read, self.evaluates,
+        make_room(V)
+        self._work = None if work is None else ffcx_form(work)  # FFCx's functions are Python's
+        self._cpp_object = _cpp.problems.NewmarkProblem(
+            u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
+            _cpp.problems.ImplicitBody(
+                self.body.in_cpp(), self.inertia._cpp_object, self.inertia.total.array[: self.num_owned],
+                self.damping.alpha, None if damping_force is None else damping_force.in_cpp(),
+                None if self._work is None else self._work._cpp_object, scaled,
+            ),
+            motions, [implicit_contact(c, self.functions) for c in self.contact], self.scheme,
+            petsc_options(options), prefix, self.axisymmetric, LIMITS, warnings_on(self.comm), self.sample,
         )  # fmt: skip
-        self._cpp_object: Any = self.stepper._cpp_object
-        self._restart = ImplicitRestart(
-            in_time(self), u, self.stepper, self.contact, self.functions, self.run_history, self, self._resume
+        self.supports = self._cpp_object.supports.parts
+        self.linear_solver = LinearSolver.of(self._cpp_object.equilibrium.linear_solver)
+        self.read = ReadOnce(self._cpp_object.supports, self.contact)
+        self.run_history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
+        self.stepper = ImplicitStepper(
+            self._cpp_object, self.comm, u, self.velocity, material, self.inputs, self.read, self.evaluates
         )
-        self._cpp_object.enter_contact()
-        self._cpp_object.start()
-        self.add_row()
+        self._restart = ImplicitRestart(self, self._set_energy)
+        self._set_energy()
         self._warn_of_small_steps()
         self._growth: GrowthGuard | None = None
         if residual is not None and is_displacement(V):
@@ -318,12 +315,7 @@ class NewmarkProblem(Unique):
         Raises:
             RuntimeError: the eigenvalue solver does not converge.
         """
-        product = self.scheme.stable_frequency()
-        if math.isinf(product):
-            return product
-        held = self.fixed[: self.num_owned] | self.inertia.massless
-        omega = _cpp.integrators.highest_frequency(self.tangent.assemble(), self.inertia.matrix, held)
-        return product / omega if omega > 0.0 else math.inf
+        return float(self._cpp_object.stable_step())
 
     def _warn_of_small_steps(self) -> None:
         step = self.stable_step()
@@ -358,8 +350,29 @@ class NewmarkProblem(Unique):
         work = 0.5 * float(self.stepper.account.forces.internal @ self.stepper.motion.displacement)
         return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
 
+    def sample(self, times: FloatArray) -> FloatArray:
+        """Values of all functions of time; an error on one rank is raised on all. Collective.
+
+        Args:
+            times: times, (n) [T].
+
+        Returns:
+            (n, num_columns).
+        """
+        found, error = attempt(self.functions.table, times)
+        agree(self.comm, error, "functions of time")
+        return np.ascontiguousarray(found)
+
+    def _take_row(self) -> None:
+        """Tell recorders and `energy` of the last row of the history, which is new. Collective."""
+        last = self.run_history.last
+        assert last is not None
+        for recorder in self.stepper.recorders:
+            recorder.add(np.array([last]))
+        self._set_energy({name: float(last[name]) for name in ENERGIES})
+
     def _accepted(self) -> float:
-        """Take a step over into the histories. Collective.
+        """A step is in the history. Collective.
 
         Returns:
             Drift of the energy [1].
@@ -367,25 +380,10 @@ class NewmarkProblem(Unique):
         Raises:
             RuntimeError: a residual of the user's own makes the body move ever faster; on all ranks.
         """
-        self.add_row()
+        self._take_row()
         if self._growth is not None:
-            self._growth.check(self._energy, self.stepper.time)
-        assert self.run_history.last is not None  # a row has been added
-        return self.run_history.drift(self.run_history.last)
-
-    def add_row(self) -> None:
-        """Add the present energies and contact forces to the history. Collective."""
-        values = self.stepper.energies()
-        row = np.zeros(1, dtype=self.run_history.step_type)
-        for name, value in values.items():
-            row[name] = value
-        for k, contact in enumerate(self.contact):
-            if contact.force is not None:
-                row["force"][0, k, : len(contact.force)] = contact.force
-        rows = self.run_history.add(np.array([self.time]), row)
-        for recorder in self.stepper.recorders:
-            recorder.add(rows)
-        self._set_energy(values)
+            self._growth.check(self._energy, self.time)
+        return float(self._energy["drift"])
 
     def _set_energy(self, values: dict[str, float] | None = None) -> None:
         """Set the energies that `energy` shows. Collective.
@@ -393,7 +391,8 @@ class NewmarkProblem(Unique):
         Args:
             values: energies, if they are known [F L].
         """
-        values = self.stepper.energies() if values is None else values
+        if values is None:
+            values = dict(zip(ENERGIES, self._cpp_object.energies().tolist()))
         self._energy = {**values, "total": total_energy(values), "drift": self.run_history.drift(values)}
 
     # --- running ---------------------------------------------------------------------------------------------------
@@ -477,24 +476,13 @@ class NewmarkProblem(Unique):
             rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
             ranks.same(until=until, dt=dt, tolerance=tolerance, smallest=smallest, rtol=rtol, atol=atol,
                        max_iterations=max_iterations)  # fmt: skip
-        for contact in self.contact:
-            contact.check_parameters()
         if until == self.time:
             return
-        setting = None if update is None else lambda time: update(self, time)
-        if self.step == 0 and (update is not None or any(column >= 0 for _, _, column in self.supports)):
-            # Only now is there a step over which prescribed motion can be differentiated.
-            self.stepper.update(setting, 0.0)
-            self._cpp_object.start(dt)
-            self.run_history.begin_anew()
-            self.add_row()
-        known, shortest = self.stepper.control, max(smallest, float(np.spacing(until)))
-        control = _cpp.integrators.StepControl(dt, shortest, tolerance)
-        if known is not None and known.largest == dt and known.tolerance == tolerance:
-            control = _cpp.integrators.StepControl(dt, shortest, tolerance, known.length, known.last)
         after = None if callback is None else lambda: callback(self)
-        limits = {"rtol": rtol, "atol": atol, "max_iterations": max_iterations}
-        self.stepper.advance(until, control, limits, after, setting, self._accepted, progress, verbose)
+        setting = None if update is None else lambda time: update(self, time)
+        limits = StepLimits(dt, tolerance, smallest, rtol, atol, max_iterations)
+        told = self._take_row, self._accepted
+        self.stepper.advance(until, limits, after, setting, self.sample, *told, progress, verbose)
         self.linear_solver.warn_of_unused()
 
     @property
@@ -565,11 +553,6 @@ class NewmarkProblem(Unique):
         """None: all loads are forms."""
         return []
 
-    def _resume(self) -> None:
-        """Compute what follows from a restored state. Collective."""
-        self._cpp_object.resume()
-        self._set_energy()
-
     # --- files -----------------------------------------------------------------------------------------------------
 
     def record(
@@ -614,7 +597,7 @@ class NewmarkProblem(Unique):
             names, places = check_arguments(self, path, fields, every, points, points_every, options)
             moments = [arguments.number("times", t, unit=" [T]") for t in times]
             ranks.same(output=options, points=places, times=moments)
-        output = self.stepper.recorders, self._cpp_object.show_motion
+        output = self.stepper.recorders, self._cpp_object.stepper.show_motion
         return Recorder(self, *output, path, names, every, places, points_every, moments, "implicit", options)
 
     def save(self, path: FilePath) -> None:
