@@ -144,6 +144,9 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
       .def("forget", &NewmarkProblem::forget, "Forget what a state does not have. Collective")
       .def_prop_ro("time", &NewmarkProblem::time)
       .def_prop_ro("step", &NewmarkProblem::step)
+      .def_prop_ro(
+          "supports", [](NewmarkProblem& self) -> Supports& { return self.supports(); },
+          nb::rv_policy::reference_internal)
       .def_prop_ro("control", [](const NewmarkProblem& self) { return self.control(); })
       .def_prop_ro("history", nb::overload_cast<>(&NewmarkProblem::history), nb::rv_policy::reference_internal)
       .def_prop_ro("stepper", &NewmarkProblem::stepper, nb::rv_policy::reference_internal)

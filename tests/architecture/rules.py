@@ -134,6 +134,57 @@ def package_violations(root):
     return complaints
 
 
+def _modules(base, package):
+    """Modules of a package by dotted name, with their syntax trees; a package is its __init__."""
+    found = {}
+    for path in sources(base / package, (".py",)):
+        parts = path.relative_to(base).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        found[name] = path, ast.parse(path.read_text(), str(path))
+    return found
+
+
+def _imports(name, modules):
+    """Modules that a module imports names of or from, wherever the import stands."""
+    path, tree = modules[name]
+    parts = name.split(".") + ["__init__"] * (path.name == "__init__.py")
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            source = [*(parts[: -node.level] if node.level else []), *(node.module.split(".") if node.module else [])]
+            for alias in node.names:
+                inside = ".".join([*source, alias.name])
+                if inside in modules:
+                    found.add(inside)
+                elif len(source) > 1:  # of the whole package: what is compiled, or installed beside it
+                    found.add(".".join(source))
+    return (found & set(modules)) - {name}
+
+
+def import_circles(root):
+    """Modules of python/dolfinx_impact that lead back to themselves by imports, those for types and inside functions
+    included: they can be read only all at once.
+    """
+    modules = _modules(pathlib.Path(root).resolve() / "python", "dolfinx_impact")
+    imported = {name: _imports(name, modules) for name in modules}
+    reached = {}
+    for name in modules:
+        reached[name], left = set(), list(imported[name])
+        while left:
+            other = left.pop()
+            if other not in reached[name]:
+                reached[name].add(other)
+                left += imported[other]
+    circles = {
+        tuple(sorted(other for other in reached[name] if name in reached[other]))
+        for name in modules
+        if name in reached[name]
+    }
+    return [f"{', '.join(circle)}: import each other" for circle in sorted(circles)]
+
+
 def reference_violations(root):
     """Rule 2 by includes and imports: what the hand-written solver may see."""
     root = pathlib.Path(root).resolve()
@@ -197,12 +248,12 @@ def import_violations(folder, allowed, root, left_out=None):
 def unsafe_flags(root):
     """Compiler flags that break NaN checks and complementarity tests.
 
-    The benchmark's second baseline compiles DOLFINx's kernel with one of them, on purpose: bench.py may name it.
+    The benchmark's second baseline compiles DOLFINx's kernel with one of them, on purpose: bench/setup.py may name it.
     """
     flags = ("-f" + "fast-math", "-O" + "fast", "-f" + "finite-math-only", "-f" + "associative-math")
     complaints = []
     for path in project_files(root):
-        if path.relative_to(root).as_posix() == "python/dolfinx_impact/bench/run.py":
+        if path.relative_to(root).as_posix() == "python/dolfinx_impact/bench/setup.py":
             continue
         builds = path.suffix in (".cmake", ".json", ".toml", ".sh", ".py", "") or path.name == "CMakeLists.txt"
         text = text_of(path) if builds else None

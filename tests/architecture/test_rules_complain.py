@@ -50,6 +50,47 @@ def test_layers_complain(tree, name, include):
     assert name in complaint
 
 
+GOOD_IMPORTS = {
+    "__init__.py": "from .io.folder import Folder\nfrom .loads import Load\n",
+    "io/__init__.py": "",
+    "io/folder.py": "from .. import _cpp\nfrom . import files\nfrom .frames import Frames\n",
+    "io/frames.py": "def write():\n    from .files import File\n",
+    "io/files.py": "import os\n",
+    "loads.py": "from .io.folder import Folder\nfrom .contact import Pair\n",
+    "contact/__init__.py": "from .pair import Pair\n",
+    "contact/pair.py": "from dolfinx_impact.io import files\n",
+}
+
+
+def python_files(files):
+    return {f"python/dolfinx_impact/{name}": text for name, text in files.items()}
+
+
+def test_circles_pass_a_good_tree(tree):
+    assert rules.import_circles(tree(python_files(GOOD_IMPORTS))) == []
+
+
+@pytest.mark.parametrize(
+    "name, text, circle",
+    [
+        ("io/files.py", "from .frames import Frames\n", ["io.files", "io.frames"]),
+        ("io/frames.py", "if TYPE_CHECKING:\n    from .folder import Folder\n", ["io.folder", "io.frames"]),
+        ("io/frames.py", "def write():\n    from .folder import Folder\n", ["io.folder", "io.frames"]),
+        ("io/frames.py", "from ..loads import Load\n", ["io.folder", "io.frames", "loads"]),
+        ("io/files.py", "from ..contact import Pair\n", ["contact", "contact.pair", "io.files"]),
+        ("io/files.py", "import dolfinx_impact.contact.pair\n", ["contact.pair", "io.files"]),
+        (
+            "io/files.py",
+            "from dolfinx_impact import Folder, loads\n",
+            ["contact", "contact.pair", "io.files", "io.folder", "io.frames", "loads"],
+        ),
+    ],
+)
+def test_circles_complain(tree, name, text, circle):
+    (complaint,) = rules.import_circles(tree(python_files({**GOOD_IMPORTS, name: text})))
+    assert complaint == ", ".join(f"dolfinx_impact.{module}" for module in circle) + ": import each other"
+
+
 GOOD_PACKAGES = {
     "__init__.py": "from .dynamics.explicit import ExplicitProblem\n",
     "contact/mortar/lagrange.py": "from ... import _cpp\nfrom ..pair import ContactPair\nfrom ...loads import tag\n",

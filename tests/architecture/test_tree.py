@@ -20,6 +20,10 @@ def test_a_python_package_imports_earlier_packages_only(checkout):
     assert rules.package_violations(checkout) == []
 
 
+def test_no_modules_import_each_other(checkout):
+    assert rules.import_circles(checkout) == []
+
+
 def test_the_order_of_the_packages_is_that_of_the_page(checkout):
     page = (checkout / "docs" / "architecture.md").read_text()
     places = [page.index(f"`{name}/`" if f"`{name}/`" in page else f"`{name}.py`") for name in rules.PACKAGES]

@@ -32,7 +32,6 @@ def failed(form, *checks, cells=("triangle",), **options):
 # Right forms.
 
 
-@pytest.mark.filterwarnings("ignore:triangles of degree 1 lock")
 @pytest.mark.parametrize(
     "form",
     [f if f in (own_forms.viscoelastic, own_forms.plastic) else pytest.param(f, marks=pytest.mark.slow)

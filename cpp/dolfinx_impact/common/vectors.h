@@ -14,6 +14,14 @@ inline double dot(const double* a, const double* b, int n)
   return sum;
 }
 
+/// Vector product of vectors of three components; `out` is another vector.
+inline void cross(const double* a, const double* b, double* out)
+{
+  out[0] = a[1] * b[2] - a[2] * b[1];
+  out[1] = a[2] * b[0] - a[0] * b[2];
+  out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
 namespace common
 {
 template <typename T>

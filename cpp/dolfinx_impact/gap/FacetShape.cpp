@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "FacetShape.h"
+#include "../common/vectors.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,20 +18,13 @@ constexpr double flush = 0.05;
 
 double dot(const double* a, const double* b)
 {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  return dolfinx_impact::dot(a, b, 3);
 }
 
 void subtract(const double* a, const double* b, double* out)
 {
   for (int c = 0; c < 3; ++c)
     out[c] = a[c] - b[c];
-}
-
-void cross(const double* a, const double* b, double* out)
-{
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 void add(double* sum, double factor, const double* a)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "mortar.h"
+#include "../common/vectors.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -294,15 +295,14 @@ Entries sliding_tangent(const Facets& slave, const Facets& master, const Segment
     else
     {
       const double *a = pm.tangents[0], *b = pm.tangents[1];
-      auto cross = [](const double* p, const double* r, int c)
-      { return p[(c + 1) % 3] * r[(c + 2) % 3] - p[(c + 2) % 3] * r[(c + 1) % 3]; };
-      double det = 0.0;
-      for (int c = 0; c < 3; ++c)
-        det += a[c] * cross(b, nu, c);
+      double across_b[3], across_a[3];
+      cross(b, nu, across_b);
+      cross(nu, a, across_a);
+      const double det = dot(a, across_b, 3);
       for (int c = 0; c < 3; ++c)
       {
-        rows[0][c] = cross(b, nu, c) / det;
-        rows[1][c] = cross(nu, a, c) / det;
+        rows[0][c] = across_b[c] / det;
+        rows[1][c] = across_a[c] / det;
       }
     }
     double phi_s[N], phi_m[N], dphi[2 * N];

@@ -81,39 +81,36 @@ std::vector<std::int32_t> InternalForce::reached_dofs() const
   return dofs;
 }
 
-void InternalForce::commit()
+void InternalForce::each_history(auto&& work)
 {
   for (const Batches& batches : _batches)
     if (batches.stores())
-      batches.history()->commit();
+      work(*batches.history());
+}
+
+void InternalForce::commit()
+{
+  each_history([](PointHistory& history) { history.commit(); });
 }
 
 void InternalForce::revert()
 {
-  for (const Batches& batches : _batches)
-    if (batches.stores())
-      batches.history()->revert();
+  each_history([](PointHistory& history) { history.revert(); });
 }
 
 void InternalForce::set_in_place(bool in_place)
 {
-  for (const Batches& batches : _batches)
-    if (batches.stores())
-      batches.history()->set_in_place(in_place);
+  each_history([=](PointHistory& history) { history.set_in_place(in_place); });
 }
 
 void InternalForce::store_snapshot()
 {
-  for (const Batches& batches : _batches)
-    if (batches.stores())
-      batches.history()->store_snapshot();
+  each_history([](PointHistory& history) { history.store_snapshot(); });
 }
 
 void InternalForce::restore_snapshot()
 {
-  for (const Batches& batches : _batches)
-    if (batches.stores())
-      batches.history()->restore_snapshot();
+  each_history([](PointHistory& history) { history.restore_snapshot(); });
 }
 
 double InternalForce::sum(const std::string& name) const

@@ -86,6 +86,9 @@ public:
   double flops() const;
 
 private:
+  /// Call a function with the internal variables of each integral that keeps them.
+  void each_history(auto&& work);
+
   std::shared_ptr<const Mesh> _mesh;
   std::shared_ptr<const FunctionSpace> _test;
   std::vector<Batches> _batches;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include <petscvec.h>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -50,4 +51,16 @@ private:
   PetscInt _size = 0;
   double* _values = nullptr;
 };
+
+/// Subtract forces from a residual.
+/// @param[in] forces by owned degree of freedom
+/// @throws std::invalid_argument if the residual has another size
+inline void subtract(std::span<const double> forces, Vec residual)
+{
+  Entries entries(residual);
+  if (entries.size() != forces.size())
+    throw std::invalid_argument("a residual has an entry for every owned degree of freedom of the space");
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    entries[i] -= forces[i];
+}
 } // namespace dolfinx_impact::operators

@@ -20,9 +20,7 @@ public:
   Vec residual() override
   {
     Vec b = _body->residual();
-    operators::Entries entries(b);
-    for (std::size_t i = 0; i < _forces.size(); ++i)
-      entries[i] -= _forces[i];
+    operators::subtract(_forces, b);
     return b;
   }
   Mat tangent() override { return _body->tangent(); }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "normals.h"
 #include <cmath>
 
 namespace dolfinx_impact::surface
@@ -26,17 +27,8 @@ struct FacetFrame
           axes[a][c] += dphi[a * num + j] * at(j, c);
       }
     double* n = axes[gdim - 1];
-    if constexpr (gdim == 2)
-    {
-      n[0] = axes[0][1];
-      n[1] = -axes[0][0];
-    }
-    else
-      cross(axes[0], axes[1], n);
-    double squared = 0.0;
-    for (int c = 0; c < gdim; ++c)
-      squared += n[c] * n[c];
-    const double length = std::sqrt(squared);
+    normal_vector(gdim, axes, n);
+    const double length = std::sqrt(dot(n, n, gdim));
     for (int c = 0; c < gdim; ++c)
       n[c] /= length;
   }
@@ -69,18 +61,6 @@ struct FacetFrame
   }
 
 private:
-  static void cross(const double* a, const double* b, double* out)
-  {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-  }
-  static double inner(const double* a, const double* b)
-  {
-    double sum = 0.0;
-    for (int c = 0; c < gdim; ++c)
-      sum += a[c] * b[c];
-    return sum;
-  }
+  static double inner(const double* a, const double* b) { return dot(a, b, gdim); }
 };
 } // namespace dolfinx_impact::surface

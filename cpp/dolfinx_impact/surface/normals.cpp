@@ -7,23 +7,6 @@ namespace dolfinx_impact::surface
 {
 namespace
 {
-/// Normal vector (not normalised) from tangents: turned clockwise in the plane, cross product in space.
-void normal_vector(int gdim, const double a[2][3], double* n)
-{
-  if (gdim == 2)
-  {
-    n[0] = a[0][1];
-    n[1] = -a[0][0];
-    n[2] = 0.0;
-  }
-  else
-  {
-    n[0] = a[0][1] * a[1][2] - a[0][2] * a[1][1];
-    n[1] = a[0][2] * a[1][0] - a[0][0] * a[1][2];
-    n[2] = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-  }
-}
-
 FacetPoint point(const FacetElement& element, int gdim, const double* x, const double* xi, double sign)
 {
   FacetPoint p{};

@@ -1,10 +1,25 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../common/vectors.h"
 #include "Facets.h"
 
 /// The one owner of the sign of normals.
 namespace dolfinx_impact::surface
 {
+/// Normal vector of a facet, not normalised: its tangent turned clockwise in the plane, their product in space.
+/// @param[in] a tangents. @param[out] n three components
+inline void normal_vector(int gdim, const double a[2][3], double* n)
+{
+  if (gdim == 2)
+  {
+    n[0] = a[0][1];
+    n[1] = -a[0][0];
+    n[2] = 0.0;
+  }
+  else
+    cross(a[0], a[1], n);
+}
+
 /// A point of a facet with everything that follows from its position.
 struct FacetPoint
 {

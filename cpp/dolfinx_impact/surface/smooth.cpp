@@ -40,7 +40,9 @@ double dot(const Vector& a, const Vector& b)
 }
 Vector cross(const Vector& a, const Vector& b)
 {
-  return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
+  Vector out;
+  dolfinx_impact::cross(a.v, b.v, out.v);
+  return out;
 }
 double length(const Vector& a)
 {

@@ -19,6 +19,10 @@ FLATTEST = 10.0  # longest over shortest length of a cell, for a quick look; fla
 CHUNK = 50_000  # cells at a time: their gradients take little memory
 
 
+class LargeRotation(UserWarning):
+    """Cells of a law of small strain have turned far."""
+
+
 def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
     """Rotations of cells at their middle, that of the skew part of F = I + grad u; exact where F only turns.
 
@@ -106,7 +110,7 @@ class RotationWarning:
             number = next(n for n in mesh.comm.allgather(here) if n is not None)
             self._warned = True
             if mesh.comm.rank == 0:
-                warnings.warn(_text(part, largest, number), stacklevel=stacklevel + 1)
+                warnings.warn(_text(part, largest, number), LargeRotation, stacklevel=stacklevel + 1)
             return
 
 

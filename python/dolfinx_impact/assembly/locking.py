@@ -10,6 +10,10 @@ from ..inelastic import InelasticMaterial
 from ..materials import Material
 
 
+class Locking(UserWarning):
+    """Cells of degree 1 lock where plastic flow keeps the volume."""
+
+
 def warn_of_locking(u: Function, material: Material) -> None:
     """Warn on rank 0, once for a problem, if inelastic materials are on tetrahedra or triangles of degree 1.
 
@@ -31,5 +35,6 @@ def warn_of_locking(u: Function, material: Material) -> None:
     warnings.warn(
         f"{other} of degree 1 lock where plastic flow keeps the volume: the body is too stiff, its stress oscillates; "
         f"take {other} of degree 2, or {better}",
+        Locking,
         stacklevel=3,
     )

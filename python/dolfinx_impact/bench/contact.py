@@ -6,7 +6,8 @@ solves run in the same process with the same linear solver and tolerance.
 """
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from dolfinx import fem
@@ -19,7 +20,7 @@ from ..common.types import FloatArray
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from ..contact.pair import ContactPair
 from ..statics.problem import StaticProblem
-from .rows import Row
+from .rows import Job, Row, row
 
 RTOL = 1e-10
 # (name, cell, mesh size at the contact, of the largest cells): half-width 1, bodies of size 12, radius 50
@@ -121,14 +122,10 @@ def tied_seconds(model: PressedBodies) -> float:
     return time.perf_counter() - start
 
 
-def contact_rows(
-    row: Callable[[str, str, int, float, str, float], Row],
-    cases: Sequence[tuple[str, str, float, float]] = CASES,
-) -> list[Row]:
+def contact_rows(cases: Sequence[tuple[str, str, float, float]] = CASES) -> list[Row]:
     """Measure the contact solve against the tied solve, and the share of contact (search, integrals, assembly) in it.
 
     Args:
-        row: function of name, cell, ranks, value, unit and baseline that makes a row.
         cases: name, cell, mesh size at the contact and size of the largest cells [L].
 
     Returns:
@@ -147,3 +144,16 @@ def contact_rows(
         rows.append(row("  Newton iterations, nodes in contact", label, 1, sum(report.iterations), "",
                         report.active_set_sizes[-1][-1]))  # fmt: skip
     return rows
+
+
+def jobs(large: bool) -> list[Job]:
+    """Measurements of static contact.
+
+    Args:
+        large: include problems of 300,000 unknowns.
+
+    Returns:
+        A text and a function that returns rows, for each measurement.
+    """
+    cases = CASES + (LARGE if large else ())
+    return [(f"static contact, {case[0]}", partial(contact_rows, (case,))) for case in cases]

@@ -33,8 +33,8 @@ from ..forms import quadrature
 from ..loads import Traction
 from ..materials import Material
 from ..plasticity import J2Plasticity
-from . import run as bench
 from .rows import Job, Row, row
+from .setup import CASES, FAST, FINITE, STRICT, Case, MaterialClass, Setup
 
 CELLS_PER_S = "million cells/s"
 # Cells along the interface and through the thickness.
@@ -101,8 +101,8 @@ def own_form(u: Function) -> ufl.Form:
 
 
 def step_rows(
-    cases: Sequence[bench.Case],
-    law: bench.MaterialClass = materials.LinearElastic,
+    cases: Sequence[Case],
+    law: MaterialClass = materials.LinearElastic,
     steps: int = 0,
     baselines: Collection[str] = ("A", "B"),
     own: Collection[str] = (),
@@ -113,7 +113,7 @@ def step_rows(
         cases: cell, degree and cells per side.
         law: class of the material.
         steps: number of steps per round; 0 takes as many as last ROUND seconds.
-        baselines: baselines of `bench.run`, "A" or "B".
+        baselines: baselines of bench/force.py, "A" or "B".
         own: cells for which a residual of the user is measured too.
 
     Returns:
@@ -124,7 +124,7 @@ def step_rows(
     """
     rows = []
     for cell, degree, n in cases:
-        setup = bench.Setup(cell, degree, n, law)
+        setup = Setup(cell, degree, n, law)
         label, name = f"{cell} P{degree}", law.law_class.name
         material = law(1e3, 0.3, 1.0, "3d")
         u_start = setup.u.x.array.copy()
@@ -134,7 +134,7 @@ def step_rows(
         ours = step_seconds(problem, count)[1]
         setup.u.x.array[:] = u_start
         found = {}
-        for key, flags in (("A", bench.STRICT), ("B", bench.FAST)):
+        for key, flags in (("A", STRICT), ("B", FAST)):
             if key in baselines:
                 found[key], force = setup.baseline(flags)
                 if key == "A":
@@ -167,7 +167,7 @@ def check(label: str, found: FloatArray, expected: FloatArray) -> None:
         raise RuntimeError(f"{label}: step and assemble_vector differ by {difference:.1e}: no timing counts")
 
 
-def own_row(setup: bench.Setup, label: str, package: ExplicitProblem, steps: int) -> Row:
+def own_row(setup: Setup, label: str, package: ExplicitProblem, steps: int) -> Row:
     """Measure a residual of the user against the package's kernel, in alternating rounds.
 
     Args:
@@ -332,9 +332,7 @@ def resident() -> int:
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def explicit_problem(
-    comm: MPI.Intracomm, n: int, material: Material | None = None
-) -> tuple[bench.Setup, ExplicitProblem]:
+def explicit_problem(comm: MPI.Intracomm, n: int, material: Material | None = None) -> tuple[Setup, ExplicitProblem]:
     """Explicit problem of a cube of hexahedra.
 
     Args:
@@ -345,7 +343,7 @@ def explicit_problem(
     Returns:
         Body and problem.
     """
-    setup = bench.Setup("hexahedron", 1, n, comm=comm)
+    setup = Setup("hexahedron", 1, n, comm=comm)
     law = materials.LinearElastic(1e3, 0.3, 1.0, "3d") if material is None else material
     return setup, ExplicitProblem(setup.u, law, velocity=initial_velocity(setup.V))
 
@@ -451,10 +449,10 @@ def jobs(large: bool = False, ranks: int = 0) -> list[Job]:
     Returns:
         A text and a function that returns rows, for each measurement.
     """
-    solids = [c for c in bench.CASES if c[0] in ("tetrahedron", "hexahedron")]
+    solids = [c for c in CASES if c[0] in ("tetrahedron", "hexahedron")]
     out: list[Job] = [(f"explicit step, {c[0]} P{c[1]}", partial(step_rows, (c,), own=("hexahedron",))) for c in solids]
     neo_hookean = partial(step_rows, law=materials.NeoHookean, baselines=("A",))
-    out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in bench.FINITE]
+    out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in FINITE]
     out.append(("explicit contact", partial(contact_rows, rounds=(7, 25) if large else (5, 12))))
     out += [("explicit output", partial(output_rows, n)) for n in ((48, 20) if large else (20,))]
     out.append(("explicit memory", partial(memory_rows, 64 if large else 40)))

@@ -16,8 +16,8 @@ from dolfinx import cpp
 from .. import materials
 from ..assembly import operators
 from ..assembly.ffcx_form import ffcx_form
-from . import run as bench
 from .rows import Job, Row, row
+from .setup import FINITE, Case, Setup, best_time
 
 Energy: TypeAlias = Callable[[Any], Any]
 SHEAR, BULK = 385.0, 833.0  # [F/L^2]
@@ -116,9 +116,7 @@ LAWS: tuple[Energy, ...] = (
 )  # fmt: skip
 
 
-def law_rows(
-    energies: Sequence[Energy] = LAWS, cases: Sequence[bench.Case] = bench.FINITE, rounds: int = ROUNDS
-) -> list[Row]:
+def law_rows(energies: Sequence[Energy] = LAWS, cases: Sequence[Case] = FINITE, rounds: int = ROUNDS) -> list[Row]:
     """Measure forces that are derivatives of energies against those of the neo-Hookean law of the package.
 
     Args:
@@ -134,7 +132,7 @@ def law_rows(
     """
     rows = []
     for cell, degree, n in cases:
-        setup = bench.Setup(cell, degree, n, materials.NeoHookean)
+        setup = Setup(cell, degree, n, materials.NeoHookean)
         neo = operators.InternalForce(setup.form)
         (measure,) = {i.metadata()["quadrature_degree"] for i in setup.form.integrals()}
         dx, test = ufl.dx(metadata={"quadrature_degree": measure}), ufl.TestFunction(setup.V)
@@ -144,14 +142,14 @@ def law_rows(
             own = operators.InternalForce(form)
             _check(setup, form, own, f"{energy.__name__}, {cell} P{degree}")
             calls = [partial(operator._cpp_object.assemble, setup.b) for operator in (own, neo)]
-            times = [[bench.best_time(call, rounds=1)[0] for call in calls] for _ in range(rounds)]
+            times = [[best_time(call, rounds=1)[0] for call in calls] for _ in range(rounds)]
             rate, baseline = setup.num_cells / np.min(times, axis=0) * 1e-6
             label = f"{energy.__name__} force / neo_hookean"
             rows.append(row(label, f"{cell} P{degree}", 1, rate, "million cells/s", baseline))
     return rows
 
 
-def _check(setup: bench.Setup, form: ufl.Form, own: operators.InternalForce, what: str) -> None:
+def _check(setup: Setup, form: ufl.Form, own: operators.InternalForce, what: str) -> None:
     """RuntimeError unless the force is that of FFCx's kernel."""
     reference, found = np.zeros_like(setup.b), np.zeros_like(setup.b)
     compiled = ffcx_form(form)._cpp_object
@@ -171,6 +169,6 @@ def jobs() -> list[Job]:
     """
     return [
         (f"{energy.__name__}, {case[0]} P{case[1]}", partial(law_rows, (energy,), (case,)))
-        for case in bench.FINITE
+        for case in FINITE
         for energy in LAWS
     ]

@@ -27,9 +27,9 @@ from ..inelastic import InelasticMaterial
 from ..materials import Material
 from ..plasticity import J2Plasticity, Voce
 from . import explicit as bench_explicit
-from . import run as bench
 from .explicit import CELLS_PER_S, step_seconds
 from .rows import Job, Row, row
+from .setup import STRICT, Setup, best_time
 
 CELL = "hexahedron P1"
 E, NU, HARDENING = 1e3, 0.3, 1.0  # hardly any hardening: no waves that would unload points
@@ -53,7 +53,7 @@ class Body:
     """
 
     def __init__(self, n: int, material: Material) -> None:
-        setup = bench.Setup("hexahedron", 1, n)
+        setup = Setup("hexahedron", 1, n)
         self.num_cells = setup.num_cells
         self.u = setup.u
         # Waves in the uniform strain, so that no number is zero or the same everywhere.
@@ -126,7 +126,7 @@ class UsualWay:
         multiplier = ufl.conditional(ufl.gt(excess, 0), excess / (3 * mu + H), 0)
         step = 1.5 * multiplier / size * trial
         stress = 2 * mu * (trial - step) + kappa * self.theta * identity
-        options = {"cffi_extra_compile_args": bench.STRICT}
+        options = {"cffi_extra_compile_args": STRICT}
         q = ufl.TestFunction(self.theta.function_space)
         test = ufl.grad(ufl.TestFunction(V))
         self._dilatation = ffcx_form(ufl.tr(ufl.grad(u)) * q * dx, jit_options=options)
@@ -294,7 +294,7 @@ def usual_row(n: int = 24, steps: int = 3) -> list[Row]:
     dt = 0.9 * problem._stepper.safe_step
 
     def theirs() -> float:
-        return bench.best_time(lambda: usual.step(dt), at_least=0.0, rounds=steps)[1]
+        return best_time(lambda: usual.step(dt), at_least=0.0, rounds=steps)[1]
 
     times = in_turn(theirs, body.seconds)
     return [_against("j2 step / forms and Expression of DOLFINx, goal 5", times, body.num_cells)]

@@ -15,11 +15,11 @@ from .. import materials
 from ..assembly import operators
 from ..statics.form_body import FormBody
 from ..statics.material_body import MaterialBody
-from . import run as bench
 from .rows import Job, Row, row
+from .setup import Case, MaterialClass, Setup, best_time
 
 # Some 10,000 to 50,000 cells each: matrices that no cache holds.
-CASES: tuple[bench.Case, ...] = (
+CASES: tuple[Case, ...] = (
     ("hexahedron", 1, 32),
     ("hexahedron", 2, 14),
     ("tetrahedron", 1, 20),
@@ -32,7 +32,7 @@ LAWS = (materials.LinearElastic, materials.NeoHookean)
 TOLERANCE = 1e-12
 
 
-def body_rows(cases: Sequence[bench.Case] = CASES, law: bench.MaterialClass = materials.LinearElastic) -> list[Row]:
+def body_rows(cases: Sequence[Case] = CASES, law: MaterialClass = materials.LinearElastic) -> list[Row]:
     """Measure residual and tangent of bodies of one material.
 
     Args:
@@ -48,7 +48,7 @@ def body_rows(cases: Sequence[bench.Case] = CASES, law: bench.MaterialClass = ma
     rows: list[Row] = []
     for case in cases:
         cell, degree, _ = case
-        setup = bench.Setup(*case, law)
+        setup = Setup(*case, law)
         u, v, du = setup.u, ufl.TestFunction(setup.V), ufl.TrialFunction(setup.V)
         material = law(1e3, 0.3, 1.0, "3d" if setup.mesh.topology.dim == 3 else "plane_strain")
         ours = MaterialBody(u, material)
@@ -62,8 +62,8 @@ def body_rows(cases: Sequence[bench.Case] = CASES, law: bench.MaterialClass = ma
         if not difference < TOLERANCE:
             raise RuntimeError(f"{name}, {label}: the two sides differ by {difference:.1e}: no timing counts")
         for what, times in (
-            ("residual", [bench.best_time(body.in_cpp().residual)[1] for body in (ours, theirs)]),
-            ("tangent", [bench.best_time(body.tangent.assemble)[1] for body in (ours, theirs)]),
+            ("residual", [best_time(body.in_cpp().residual)[1] for body in (ours, theirs)]),
+            ("tangent", [best_time(body.tangent.assemble)[1] for body in (ours, theirs)]),
         ):
             rates = [setup.num_cells / seconds * 1e-3 for seconds in times]
             rows.append(row(f"{name} {what} of a body / FFCx", label, 1, rates[0], "thousand cells/s", rates[1]))

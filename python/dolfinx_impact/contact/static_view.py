@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: MIT
 """What static contacts in C++ have in common, as Python sees it."""
 
+import logging
+from typing import Any
+
 import numpy as np
 from petsc4py import PETSc
 
 from .. import _cpp
 from ..common.types import FloatArray, IntArray
 from .output import ContactOutput
+
+
+INITIAL_PENETRATION = logging.getLogger("dolfinx_impact.initial_penetration")
 
 
 class StaticContactView(ContactOutput):
@@ -21,6 +27,16 @@ class StaticContactView(ContactOutput):
     def fault(self) -> str:
         """Why a converged state is not a solution; empty if it is one."""
         return str(self._cpp_object.fault)
+
+    @property
+    def initial(self) -> Any:
+        """Penetrations in the reference configuration: InitialPenetration (C++)."""
+        return self._cpp_object.initial
+
+    def _tell_of_penetration(self) -> None:
+        """Log penetrations in the reference configuration, on rank 0."""
+        if self.initial.warning and self.comm.rank == 0:
+            INITIAL_PENETRATION.warning(self.initial.warning)
 
     # --- load steps --------------------------------------------------------------------------------------------------
 

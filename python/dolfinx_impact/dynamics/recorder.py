@@ -19,7 +19,8 @@ from ..common import arguments
 from ..common.collective import is_common
 from ..common.types import AnyArray, ArrayLike, FilePath, FloatArray
 from ..io import hdf5
-from ..io.run_folder import FolderGone, RunFolder
+from ..io.output_folder import FolderGone
+from ..io.run_folder import RunFolder
 from ..common.units import Units
 from ..recording.field_arguments import check_fields
 from ..recording.field_sources import field_sources

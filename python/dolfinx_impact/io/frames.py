@@ -12,17 +12,14 @@ import os
 import resource
 import shutil
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from dolfinx import fem, io
 from mpi4py import MPI
 
 from ..common.collective import agree, attempt, common, is_common
 from .hdf5 import reserve
+from .output_folder import OutputFolder
 from .series_writer import SeriesWriter, said
-
-if TYPE_CHECKING:
-    from .run_folder import RunFolder
 
 END = 1 << 17  # room for what ADIOS2 may write when it closes a file, and may add to every frame [bytes]
 
@@ -31,7 +28,7 @@ class Frames:
     """Series of frames in a folder NAME.bp.
 
     Args:
-        folder: RunFolder that the series is written into.
+        folder: folder that the series is written into.
         name: name of the series, ending in .bp.
         functions: functions on one mesh, of one degree.
 
@@ -42,12 +39,12 @@ class Frames:
         RuntimeError: no room, the folder cannot be written, or there is no ADIOS2; on all ranks.
     """
 
-    def __init__(self, folder: RunFolder, name: str, functions: Sequence[fem.Function]) -> None:
+    def __init__(self, folder: OutputFolder, name: str, functions: Sequence[fem.Function]) -> None:
         self.folder, self.path, self.comm = folder, folder.file(name), folder.comm
         if not hasattr(io, "VTXWriter"):  # alike on all ranks
             raise common(RuntimeError(
                 f"{name} cannot be written: this DOLFINx was built without ADIOS2. XDMF with HDF5 needs none: "
-                'record(..., ending=".xdmf"), or RunFolder.fields(..., xdmf=True)'
+                'record(..., ending=".xdmf"), or OutputFolder.fields(..., xdmf=True)'
             ))  # fmt: skip
         self._spare = folder.file(f".{name}.room")
         V = functions[0].function_space
@@ -148,11 +145,11 @@ class Frames:
         agree(self.comm, error and self._error(error), "fields")
 
 
-def write_once(folder: RunFolder, name: str, functions: Sequence[fem.Function], now: float) -> None:
+def write_once(folder: OutputFolder, name: str, functions: Sequence[fem.Function], now: float) -> None:
     """Write a series of one frame. Collective.
 
     Args:
-        folder: RunFolder that the series is written into.
+        folder: folder that the series is written into.
         name: name of the series, ending in .bp.
         functions: functions on one mesh, of one degree.
         now: time of the frame [T].

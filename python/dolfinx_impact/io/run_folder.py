@@ -16,12 +16,10 @@ import datetime
 import json
 import os
 import platform
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
@@ -31,14 +29,12 @@ from mpi4py import MPI
 
 from ..common.types import ArrayLike, FilePath
 from . import hdf5
-from .folder_lock import FolderLock
 from .frames import write_once
-from .gather import together
+from .output_folder import OutputFolder
+from .xdmf_series import XdmfSeries
 
 if TYPE_CHECKING:
     import h5py
-
-T = TypeVar("T")
 
 
 def versions() -> dict[str, str]:
@@ -84,11 +80,7 @@ def versions() -> dict[str, str]:
     }
 
 
-class FolderGone(RuntimeError):
-    """The folder of a run, or a file in it to which the run adds, was removed."""
-
-
-class RunFolder:
+class RunFolder(OutputFolder):
     """Folder of one run.
 
     Args:
@@ -115,77 +107,13 @@ class RunFolder:
         name: str = "run",
         alone: bool = False,
     ) -> None:
-        self._lock: FolderLock | None = None
-        self._alone = alone
-        self.comm, self.name = comm, name
-        self.path = Path(path or os.environ.get("IMPACT_OUTPUT") or Path("results") / name).absolute()
-        self.path = Path(comm.bcast(str(self.path), root=0))
-        together(comm, self._make)
+        super().__init__(path or os.environ.get("IMPACT_OUTPUT") or Path("results") / name, comm, alone)
+        self.name = name
         if parameters is not None:
             self.write_parameters(parameters)
 
     def __repr__(self) -> str:
         return f"RunFolder({str(self.path)!r}, name={self.name!r}, ranks={self.comm.size})"
-
-    def __enter__(self) -> RunFolder:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Unlock the folder, if it is locked."""
-        if self._lock is not None:
-            self._lock.release()
-            self._lock = None
-
-    def _make(self) -> None:
-        try:
-            self.path.mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=self.path) as probe:
-                probe.write(b"probe")
-            if self._alone:
-                self._lock = FolderLock(self.path)
-        except OSError as error:
-            raise RuntimeError(
-                f"results cannot be written to {self.path} ({error.strerror or error}): make room there, or name a "
-                "folder that can be written (demos: --output DIR or the variable IMPACT_OUTPUT)"
-            ) from error
-
-    def write(self, what: FilePath, work: Callable[[], T]) -> T:
-        """Run work() on rank 0 and return its result; a failure to write is the same error on all ranks. Collective.
-
-        Args:
-            what: name of the file, for messages.
-            work: function without arguments; it must not communicate.
-
-        Returns:
-            What the function returned.
-
-        Raises:
-            FolderGone: the folder, or the file to which `work` adds, was removed.
-            RuntimeError: the file cannot be written.
-        """
-
-        def guarded() -> T:
-            try:
-                return work()
-            except OSError as error:
-                path, reason = self.path / what, error.strerror or error
-                if not self.path.is_dir():
-                    path = self.path
-                elif not (isinstance(error, FileNotFoundError) and str(error.filename) == str(path)):
-                    raise RuntimeError(
-                        f"{path} cannot be written ({reason}): make room there, or name another folder; what was "
-                        "written before is untouched"
-                    ) from error
-                raise FolderGone(
-                    f"{path} is gone: it was removed while the run wrote into it; record into a folder that stays"
-                ) from error
-
-        return together(self.comm, guarded)
 
     def print(self, *args: object, **kwargs: Any) -> None:
         """Print on rank 0, without buffering.
@@ -196,17 +124,6 @@ class RunFolder:
         """
         if self.comm.rank == 0:
             print(*args, **{"flush": True, **kwargs})
-
-    def file(self, name: FilePath) -> Path:
-        """Full path of a file in the folder.
-
-        Args:
-            name: name of the file.
-
-        Returns:
-            Path.
-        """
-        return self.path / name
 
     def pictures(self, draw: Callable[..., object], *args: Any) -> None:
         """Draw figures on rank 0; without PyVista or a screen, print a message instead. Collective.
@@ -274,8 +191,6 @@ class RunFolder:
         """
         paths = []
         if xdmf:
-            from .xdmf_series import XdmfSeries
-
             series = XdmfSeries(self, f"{name}.xdmf", [_on_geometry(function) for function in functions])
             series.write(time)
             return [series.path]

@@ -20,11 +20,10 @@ from ..common.described import Described
 from ..common.types import AnyArray, FloatArray
 from . import hdf5
 from .gather import Gathered, gather_field
+from .output_folder import OutputFolder
 
 if TYPE_CHECKING:
     import h5py
-
-    from .run_folder import RunFolder
 
 # XDMF's names of cells by name and number of nodes; those of VTK's order of nodes, as DOLFINx's XDMFFile writes them.
 TOPOLOGIES = {
@@ -51,7 +50,7 @@ class XdmfSeries(Described):
     attribute. Vectors of a plane mesh have a third component of zero, as ParaView wants them.
 
     Args:
-        folder: RunFolder that the series is written into.
+        folder: folder that the series is written into.
         name: name of the series, ending in .xdmf.
         functions: Lagrange functions of one element, named.
         units: pairs of a name, without a unit in brackets, and its unit.
@@ -66,7 +65,7 @@ class XdmfSeries(Described):
 
     def __init__(
         self,
-        folder: RunFolder,
+        folder: OutputFolder,
         name: str,
         functions: Sequence[fem.Function],
         units: Sequence[tuple[str, str]] = (),

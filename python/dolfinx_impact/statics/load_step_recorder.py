@@ -13,7 +13,8 @@ import numpy as np
 from ..common.types import FilePath
 from ..common.units import Units
 from ..io import hdf5
-from ..io.run_folder import FolderGone, RunFolder
+from ..io.output_folder import FolderGone
+from ..io.run_folder import RunFolder
 from ..recording.field_arguments import RecordedProblem
 from ..recording.field_sources import field_sources
 from ..recording.field_writer import FieldWriter

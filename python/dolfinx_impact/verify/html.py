@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ..io.hdf5 import write_whole
+from ..io.run_folder import versions
 from .report import Report, Row, row_label
 
 T = TypeVar("T")
@@ -58,10 +59,10 @@ def write(report: Report, path: Path | str) -> Path:
     if not report.passed:
         text = f"{len(failed)} rows failed" if failed else "nothing was compared"
         verdict = f'<span class="fail">{text}</span>'
-    versions = ", ".join(f"{k} {v}" for k, v in report.versions().items())
+    with_versions = ", ".join(f"{k} {v}" for k, v in versions().items())
     out = [f"<!doctype html><meta charset='utf-8'><title>Cross-verification</title><style>{STYLE}</style>"]
     out.append("<h1>UFL kernels against the hand-written solver</h1>")
-    out.append(f"<p>{len(report.rows)} rows: {verdict}. {escape(versions)}.</p>")
+    out.append(f"<p>{len(report.rows)} rows: {verdict}. {escape(with_versions)}.</p>")
     header = ["form", "case", "difference", "tolerance", "tolerance from", "", "where they differ"]
     if failed:
         out.append("<h2>Rows that failed</h2>" + _table(failed, header, _cells))

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..io.hdf5 import write_whole
+from ..io.run_folder import versions
 
 
 @dataclass
@@ -175,31 +176,6 @@ class Report:
         verdict = "all passed" if self.passed else failed
         console.print(f"{len(self.rows)} rows, {verdict}")
 
-    def versions(self) -> dict[str, str]:
-        """Versions of the packages that take part.
-
-        Returns:
-            Version by name of the package.
-        """
-        import basix
-        import dolfinx
-        import ffcx
-        import numpy
-        import ufl
-        from petsc4py import PETSc
-
-        import dolfinx_impact
-
-        return {
-            "dolfinx_impact": dolfinx_impact.__version__,
-            "dolfinx": dolfinx.__version__,  # type: ignore[attr-defined]  # imported there, not in its __all__
-            "ffcx": ffcx.__version__,
-            "basix": basix.__version__,
-            "ufl": ufl.__version__ if hasattr(ufl, "__version__") else "",
-            "petsc": ".".join(map(str, PETSc.Sys.getVersion())),
-            "numpy": numpy.__version__,
-        }
-
     def write_json(self, path: Path | str) -> None:
         """Write {"rows": [...], "passed": ..., "versions": {...}}; numbers that are not finite are null.
 
@@ -209,7 +185,7 @@ class Report:
         path = Path(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         rows = [{k: _finite(v) for k, v in asdict(r).items()} for r in self.rows]
-        data = {"rows": rows, "passed": self.passed, "versions": self.versions()}
+        data = {"rows": rows, "passed": self.passed, "versions": versions()}
         write_whole(path, json.dumps(data, indent=1, allow_nan=False) + "\n")
 
 

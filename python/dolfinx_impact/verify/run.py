@@ -29,6 +29,7 @@ from . import (
     user_form,
 )
 from . import operator as operator_level
+from .model_warnings import model_warnings_off
 from .report import Report
 from .selfcheck import page
 from .selfcheck import run as selfcheck
@@ -93,9 +94,10 @@ def cross_check(
         if len(cases) > 20:
             element.compile_all(cases, progress)
         element.run(report, cases, count, progress)
-    _run_bodies(report, levels, progress)
-    if "order" in levels:
-        order.run(report, None, progress)
+    with model_warnings_off():
+        _run_bodies(report, levels, progress)
+        if "order" in levels:
+            order.run(report, None, progress)
     if "ranks" in levels:
         ranks.run(report, progress=progress)
     return report
@@ -257,9 +259,10 @@ def _run(report: Report, args: argparse.Namespace) -> None:
         )
     folder = Path(args.output or "results/verify")
     folder.mkdir(parents=True, exist_ok=True)
-    _run_bodies(report, args.levels, announce=True)
-    if "order" in args.levels:
-        order.run(report, folder)
+    with model_warnings_off():
+        _run_bodies(report, args.levels, announce=True)
+        if "order" in args.levels:
+            order.run(report, folder)
     if "ranks" in args.levels:
         print("level ranks", file=sys.stderr)
         ranks.run(report, args.ranks)

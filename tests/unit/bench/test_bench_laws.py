@@ -7,7 +7,8 @@ import ufl
 
 from dolfinx_impact import materials
 from dolfinx_impact.assembly import operators
-from dolfinx_impact.bench import laws, run
+from dolfinx_impact.bench import laws
+from dolfinx_impact.bench.setup import Setup
 
 CASE = ("hexahedron", 1, 3)
 
@@ -20,7 +21,7 @@ def test_rows_of_a_law(energy):
     neo-Hooke's, and Ogden's less than three times as many."""
     (row,) = laws.law_rows((energy,), (CASE,), rounds=1)
     assert row["name"] == f"{energy.__name__} force / neo_hookean" and row["ratio"] > 0.0
-    setup = run.Setup(*CASE, materials.NeoHookean)
+    setup = Setup(*CASE, materials.NeoHookean)
     (degree,) = {i.metadata()["quadrature_degree"] for i in setup.form.integrals()}
     dx = ufl.dx(metadata={"quadrature_degree": degree})
     F = ufl.Identity(3) + ufl.grad(setup.u)
@@ -31,7 +32,7 @@ def test_rows_of_a_law(energy):
 def test_equal_principal_stretches():
     """Cells at rest, with three equal stretches, and stretched ones, with two, where the angle of the roots' formula
     has no derivative and Ogden's law keeps a margin: forces are numbers, and those of FFCx's kernel."""
-    setup = run.Setup(*CASE, materials.NeoHookean)
+    setup = Setup(*CASE, materials.NeoHookean)
     setup.u.interpolate(lambda x: 0.3 * np.array([np.maximum(x[0] - 0.3, 0.0), 0 * x[1], 0 * x[2]]))
     F = ufl.Identity(3) + ufl.grad(setup.u)
     dx = ufl.dx(metadata={"quadrature_degree": 2})

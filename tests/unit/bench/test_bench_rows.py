@@ -11,19 +11,22 @@ import pytest
 from rich.console import Console
 
 from dolfinx_impact import _cpp
+from dolfinx_impact.bench import contact as bench_contact
 from dolfinx_impact.bench import explicit as bench_explicit
+from dolfinx_impact.bench import force
 from dolfinx_impact.bench import laws as bench_laws
 from dolfinx_impact.bench import plastic as bench_plastic
 from dolfinx_impact.bench import rolling as bench_rolling
 from dolfinx_impact.bench import rows, run
 from dolfinx_impact.bench import statics as bench_statics
+from dolfinx_impact.bench.setup import CASES, FINITE
 
 PEAKS = """
 import json, sys
 from dolfinx_impact import _cpp
-from dolfinx_impact.bench import run
+from dolfinx_impact.bench import force
 peak = _cpp.bench.peak_flops()
-found = run.force_rows((("hexahedron", 1, 12), ("triangle", 2, 40)), bandwidth=1e10, peak=peak)
+found = force.force_rows((("hexahedron", 1, 12), ("triangle", 2, 40)), bandwidth=1e10, peak=peak)
 peaks = {lanes: _cpp.bench.peak_flops(lanes) for lanes in (2, 4, 8)}
 print(json.dumps({"peak": peak, "peaks": peaks, "rows": found, "width": _cpp.kernels.processor_width()}))
 """
@@ -97,12 +100,10 @@ def test_rows_are_printed_as_they_come():
 def test_jobs_are_all_measurements():
     """A job per case, so that the bar moves; what the options add."""
     small, large = run.jobs(1e10, 1e9), run.jobs(1e10, 1e9, large=True, ranks=2)
-    explicit = (
-        len(bench_explicit.jobs()) + len(bench_plastic.jobs()) + len(bench_laws.jobs()) + len(bench_statics.jobs())
-    )
-    assert len(small) == len(run.CASES) + 2 * len(run.FINITE) + len(run.RANK_CELLS) + explicit + 2 + len(
-        bench_rolling.jobs(False)
-    )
+    files = (bench_explicit, bench_plastic, bench_laws, bench_statics)
+    contact = bench_contact.jobs(False) + bench_rolling.jobs(False)
+    forces = len(CASES) + 2 * len(FINITE) + len(force.RANK_CELLS)
+    assert len(small) == forces + sum(len(file.jobs()) for file in files) + len(contact)
     assert {what for what, _ in small} < {what for what, _ in large}
     assert "explicit steps on 2 ranks" in {what for what, _ in large}
     assert all(callable(work) for _, work in large)

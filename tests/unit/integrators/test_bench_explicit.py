@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from dolfinx_impact.bench import run as bench, explicit as bench_explicit
+from dolfinx_impact.bench import explicit as bench_explicit
+from dolfinx_impact.bench.setup import Setup
 
 pytestmark = pytest.mark.alone
 
@@ -25,13 +26,13 @@ def test_rows_of_steps():
 
 
 def test_another_force_makes_no_rows(monkeypatch):
-    right = bench.Setup.baseline
+    right = Setup.baseline
 
     def wrong(setup, flags):
         seconds, force = right(setup, flags)
         return seconds, force * (1 + 1e-9 * np.arange(len(force)))
 
-    monkeypatch.setattr(bench.Setup, "baseline", wrong)
+    monkeypatch.setattr(Setup, "baseline", wrong)
     with pytest.raises(RuntimeError, match="no timing counts"):
         bench_explicit.step_rows((("hexahedron", 1, 3),), steps=2)
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "CoulombFriction.h"
+#include "../../common/vectors.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -18,24 +19,16 @@ constexpr double unchanged = 1e-10;
 /// Bound of a turning traction's stiffness, per stiffness of the bodies.
 constexpr double stiffest = 1e3;
 
-double dot(int gdim, const double* a, const double* b)
-{
-  double sum = 0.0;
-  for (int c = 0; c < gdim; ++c)
-    sum += a[c] * b[c];
-  return sum;
-}
-
 double norm(int gdim, const double* a)
 {
-  return std::sqrt(dot(gdim, a, a));
+  return std::sqrt(dot(a, a, gdim));
 }
 
 /// out = A x of one node.
 void apply(int gdim, const double* A, const double* x, double* out)
 {
   for (int a = 0; a < gdim; ++a)
-    out[a] = dot(gdim, A + a * gdim, x);
+    out[a] = dot(A + a * gdim, x, gdim);
 }
 } // namespace
 
@@ -166,7 +159,7 @@ std::vector<std::int8_t> CoulombFriction::update_imposed(const NodalMultipliers&
     for (int a = 0; a < g; ++a)
       rest[a] = traction[a] - along[a];
     const double bound = now.coefficient(i) * std::max(now.multiplier[i], 0.0);
-    const double room = std::sqrt(std::max(0.0, bound * bound - dot(g, rest, rest))), size = norm(g, kept);
+    const double room = std::sqrt(std::max(0.0, bound * bound - dot(rest, rest, g))), size = norm(g, kept);
     const double part = stuck && size > 0.0 ? std::min(room, size) / size : 0.0;
     double change[3];
     for (int a = 0; a < g; ++a)

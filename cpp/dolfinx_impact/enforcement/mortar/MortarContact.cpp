@@ -438,12 +438,7 @@ int MortarContact::update_active_set(bool first, std::optional<std::int64_t> las
 
 void MortarContact::add_residual(Vec b) const
 {
-  const std::vector<double> forces = contact_forces();
-  operators::Entries entries(b);
-  if (entries.size() != forces.size())
-    throw std::invalid_argument("a residual has an entry for every owned degree of freedom of the space");
-  for (std::size_t i = 0; i < forces.size(); ++i)
-    entries[i] -= forces[i];
+  operators::subtract(contact_forces(), b);
 }
 
 void MortarContact::update_nodal_stiffness(Mat K)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "active_set.h"
+#include "../../common/vectors.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -12,14 +13,6 @@ namespace
 constexpr double far = 1e3;
 /// Least part of a node's normal and friction traction along its constrained direction.
 constexpr double least_lean = 1e-3;
-
-double dot(int gdim, const double* a, const double* b)
-{
-  double sum = 0.0;
-  for (int c = 0; c < gdim; ++c)
-    sum += a[c] * b[c];
-  return sum;
-}
 
 } // namespace
 
@@ -52,7 +45,7 @@ void unlocked(const NodalMultipliers& now, std::size_t i, const double* values, 
 {
   const int g = now.gdim;
   for (int a = 0; a < g; ++a)
-    out[a] = values[i * g + a] - (now.lock.empty() ? 0.0 : dot(g, &now.lock[(i * g + a) * g], &values[i * g]));
+    out[a] = values[i * g + a] - (now.lock.empty() ? 0.0 : dot(&now.lock[(i * g + a) * g], &values[i * g], g));
 }
 
 /// Traction that friction would have if it held the node, up to a factor beyond the bound.
@@ -106,14 +99,14 @@ ActiveSet update_active_set(const NodalMultipliers& now, bool first, double tole
     const bool sliding = now.sliding[i];
     double trial[3];
     trial_traction(now, i, bound, sliding || closing, trial);
-    const double size = std::sqrt(dot(g, trial, trial));
+    const double size = std::sqrt(dot(trial, trial, g));
     // A node that sticks is let slip before it is let go: what holds it along the surface may pull it off.
     out.active[i] = (active || closing) && !(opening && !(sticks(now, i) && size > 0.0));
     const bool held = (out.active[i] && active) || closing;
     // At the bound, and nothing moves: round-off must not decide. What slips goes on to.
     bool slips = held && (size > bound * (sliding ? 1 - 1e-8 : 1 + 1e-10) || now.coefficient(i) == 0.0);
     // What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
-    const bool back = dot(g, trial, &now.direction[i * g]) < 0.0;
+    const bool back = dot(trial, &now.direction[i * g], g) < 0.0;
     slips = slips && !(sliding && back && size < far * bound);
     out.sliding[i] = slips;
     for (int c = 0; c < g && slips; ++c)
@@ -170,7 +163,7 @@ Constraints constrain(const NodalMultipliers& now, const NodalGeometry& geometry
     const bool stick = now.friction > 0.0 && !now.sliding[i] && now.opening[i] == 0.0;
     // Gaps and slips are means over the cover, rows of D^-1 M speak of the node.
     const double spread = geometry.cover[i] / geometry.weight[i];
-    const double ahead = geometry.ahead.empty() ? 0.0 : dot(g, normal, &geometry.ahead[i * g]);
+    const double ahead = geometry.ahead.empty() ? 0.0 : dot(normal, &geometry.ahead[i * g], g);
     const double leans = lean(g, geometry.frames, i, slant);
     out.nodes.push_back(geometry.nodes[i]);
     out.normal.push_back(place);
@@ -235,7 +228,7 @@ void evaluate_multipliers(const NodalMultipliers& now, const NodalGeometry& geom
       law[c] = multiplier[i] * tilt[i * g + c] + (known.empty() ? 0.0 : known[i * g + c]);
     for (int a = 0; a < g; ++a)
       traction[i * g + a] = (free[a] - along * frame[a * g + place]) / weight +
-                            (follow.empty() ? 0.0 : dot(g, &follow[(i * g + a) * g], law));
+                            (follow.empty() ? 0.0 : dot(&follow[(i * g + a) * g], law, g));
   }
 }
 
@@ -259,7 +252,7 @@ void take_multipliers(const NodalMultipliers& now, const NodalGeometry& geometry
     double force[3], along = 0.0;
     for (int a = 0; a < g; ++a)
     {
-      force[a] = dot(g, &frame[a * g], &forces[i * g]);
+      force[a] = dot(&frame[a * g], &forces[i * g], g);
       along += frame[a * g + place] * force[a];
     }
     multiplier[i] = along / (weight * lean(g, geometry.frames, i, &tilt[i * g]));
@@ -279,7 +272,7 @@ std::vector<double> rotate_friction_traction(const NodalMultipliers& now, std::s
   for (std::size_t i = 0; i < now.size(); ++i)
   {
     double* t = &out[i * g];
-    const double size = std::sqrt(dot(g, &now.traction[i * g], &now.traction[i * g])), length = std::sqrt(dot(g, t, t));
+    const double size = std::sqrt(dot(&now.traction[i * g], &now.traction[i * g], g)), length = std::sqrt(dot(t, t, g));
     const bool closed_now = now.friction > 0.0 && grips(now, i);
     for (int c = 0; c < g; ++c)
       t[c] = closed_now ? now.multiplier[i] * tilt[i * g + c] : length > 0.0 ? t[c] * (size / length) : 0.0;
@@ -301,7 +294,7 @@ Violations violations(const NodalMultipliers& now, std::span<const double> gap)
     {
       double slip[3];
       unlocked(now, i, now.slip.data(), slip);
-      out.slip[i] = std::sqrt(dot(now.gdim, slip, slip));
+      out.slip[i] = std::sqrt(dot(slip, slip, now.gdim));
     }
   }
   return out;
@@ -314,7 +307,7 @@ std::vector<double> tangential(int gdim, std::span<const double> normal, std::sp
   std::vector<double> out(vectors.begin(), vectors.end());
   for (std::size_t i = 0; i < out.size(); i += gdim)
   {
-    const double along = dot(gdim, &normal[i], &vectors[i]);
+    const double along = dot(&normal[i], &vectors[i], gdim);
     for (int c = 0; c < gdim; ++c)
       out[i + c] -= along * normal[i + c];
   }
@@ -330,7 +323,7 @@ void add_jump(const NodalGeometry& geometry, std::span<const double> jump, std::
     throw std::invalid_argument("a jump, a gap and a slip of every node are needed");
   const std::vector<double> along = tangential(int(g), geometry.normal, jump);
   for (std::size_t i = 0; i < num; ++i)
-    gap[i] = geometry.gap[i] + dot(int(g), &geometry.normal[i * g], &jump[i * g]);
+    gap[i] = geometry.gap[i] + dot(&geometry.normal[i * g], &jump[i * g], int(g));
   for (std::size_t k = 0; k < slip.size(); ++k)
     slip[k] = geometry.slip[k] + along[k];
 }

@@ -10,12 +10,6 @@ namespace
 {
 /// Between two normals whose edge is a direction of its own [rad].
 constexpr double least_angle = 0.1;
-
-void cross(const double* a, const double* b, double* out)
-{
-  for (int c = 0; c < 3; ++c)
-    out[c] = a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
-}
 } // namespace
 
 std::vector<double> held_by_others(const MortarContact& contact)

@@ -114,12 +114,7 @@ std::vector<double> PenaltyForces::closing_forces() const
 
 void PenaltyForces::add_residual(Vec b) const
 {
-  const std::vector<double> force = nodal_forces(_state);
-  operators::Entries entries(b);
-  if (entries.size() != force.size())
-    throw std::invalid_argument("the residual has an entry for every owned degree of freedom of the space");
-  for (std::size_t i = 0; i < force.size(); ++i)
-    entries[i] -= force[i];
+  operators::subtract(nodal_forces(_state), b);
 }
 
 Mat PenaltyForces::tangent(bool convex)

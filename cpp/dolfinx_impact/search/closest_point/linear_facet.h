@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../surface/normals.h"
 #include "facet_projection.h"
 #include <algorithm>
 #include <cmath>
@@ -69,18 +70,7 @@ inline void normal(const Nodes& X, const double* xi, double orientation, double*
 {
   double a[2][3];
   tangents<S>(X, xi, a);
-  if constexpr (S == FacetShape::interval)
-  {
-    n[0] = a[0][1];
-    n[1] = -a[0][0];
-    n[2] = 0.0;
-  }
-  else
-  {
-    n[0] = a[0][1] * a[1][2] - a[0][2] * a[1][1];
-    n[1] = a[0][2] * a[1][0] - a[0][0] * a[1][2];
-    n[2] = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-  }
+  surface::normal_vector(dimension<S>, a, n);
   const double factor = orientation / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   for (int c = 0; c < 3; ++c)
     n[c] *= factor;

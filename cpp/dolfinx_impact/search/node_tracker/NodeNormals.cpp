@@ -112,16 +112,9 @@ double NodeNormals::linear(std::size_t i, Configuration at, double* normal) cons
         a[e][c] = corner.edges[e][c] + (moved(corner.nodes[e], c) - own[c]);
     const double first = std::sqrt(dot(a[0], a[0], D));
     double size = first, ends = 1.0;
-    if constexpr (D == 2)
+    surface::normal_vector(D, a, n);
+    if constexpr (D == 3)
     {
-      n[0] = a[0][1];
-      n[1] = -a[0][0];
-    }
-    else
-    {
-      n[0] = a[0][1] * a[1][2] - a[0][2] * a[1][1];
-      n[1] = a[0][2] * a[1][0] - a[0][0] * a[1][2];
-      n[2] = a[0][0] * a[1][1] - a[0][1] * a[1][0];
       size = std::sqrt(dot(n, n, D));
       ends = first + std::sqrt(dot(a[1], a[1], D));
     }

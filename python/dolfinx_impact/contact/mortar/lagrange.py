@@ -2,7 +2,6 @@
 """Contact by Lagrange multipliers: dual mortar, primal-dual active set, multipliers condensed; docs/contact.md."""
 
 import functools
-import logging
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from ...common.types import BoolArray, FloatArray, IntArray
 from ..pair import ContactPair, check_pair, check_quadrature_degree
 from ..static_view import StaticContactView
 
-LOG = logging.getLogger("dolfinx_impact")
 BASES = ("dual", "standard", "linear")
 
 
@@ -94,8 +92,7 @@ class LagrangeContact(StaticContactView):
         )  # fmt: skip
         self.geometry = self._cpp_object.geometry
         self.nodes, self.gdim, self.fixed = self.geometry.nodes, gdim, self.geometry.fixed
-        if self.initial.warning and self.comm.rank == 0:
-            LOG.warning(self.initial.warning)
+        self._tell_of_penetration()
 
     def _friction_of_increments(self) -> float:
         """Coefficient of friction of the slips of increments [1]."""
@@ -332,11 +329,6 @@ class LagrangeContact(StaticContactView):
     def displacement(self) -> FloatArray:
         """Of a rigid master, as reached, (3) [L]."""
         return self.geometry.displacement
-
-    @property
-    def initial(self) -> Any:
-        """Penetrations in the reference configuration: InitialPenetration (C++)."""
-        return self._cpp_object.initial
 
     def update_totals(self) -> None:
         """Sum up force, moment, area and work of friction of a converged increment. Collective."""

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Penalty contact of static problems, seen from Python; docs/contact.md."""
 
-import logging
 import weakref
 from typing import Any
 
@@ -12,8 +11,6 @@ from ...common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..pair import ContactPair, ContactStatus
 from ..protocol import StaticContactProblem
 from ..static_view import StaticContactView
-
-LOG = logging.getLogger("dolfinx_impact")
 
 
 class QuadraturePenalty(StaticContactView):
@@ -57,13 +54,7 @@ class QuadraturePenalty(StaticContactView):
             pair.name, V._cpp_object, self.slave, self.obstacle or self.master, parameters, bodies
         )
         self._totals = self._cpp_object.totals
-        if self.initial.warning and self.comm.rank == 0:
-            LOG.warning(self.initial.warning)
-
-    @property
-    def initial(self) -> Any:
-        """Penetrations in the reference configuration: InitialPenetration (C++)."""
-        return self._cpp_object.initial
+        self._tell_of_penetration()
 
     @property
     def kind(self) -> str:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ...io.hdf5 import write_whole
+from ...io.run_folder import versions
 from ..html import STYLE
 from .findings import Finding, Picture, SelfCheckReport
 
@@ -35,9 +36,9 @@ def write(report: SelfCheckReport, path: Path | str) -> Path:
     if not report.passed:
         text = f"{len(failed)} of {len(made)} checks failed" if failed else "nothing was checked"
         verdict = f'<span class="fail">{text}</span>'
-    versions = ", ".join(f"{k} {v}" for k, v in report.versions().items())
+    with_versions = ", ".join(f"{k} {v}" for k, v in versions().items())
     out = [f"<!doctype html><meta charset='utf-8'><title>{report.title}</title><style>{STYLE}{MORE}</style>"]
-    out.append(f"<h1>{report.title}</h1><p>{verdict}. {escape(versions)}.</p>")
+    out.append(f"<h1>{report.title}</h1><p>{verdict}. {escape(with_versions)}.</p>")
     if failed:
         out.append("<h2>What failed</h2>" + _table(failed))
     groups: dict[str, list[Finding]] = {}

@@ -13,6 +13,7 @@ from dolfinx.mesh import Mesh
 
 from ...forms import registry
 from .. import bodies
+from ..model_warnings import model_warnings_off
 from .definite import definiteness
 from .energy import energy, symmetry, taylor
 from .file import Source, source_of, sources
@@ -108,7 +109,7 @@ def self_check(
     jobs = [(n, s, cell) for n, s in found.items() for cell in _cells(n, s, cells or named)]
     from rich.progress import Progress
 
-    with Progress(disable=not progress, transient=True) as bar:
+    with Progress(disable=not progress, transient=True) as bar, model_warnings_off():
         task = bar.add_task("checks", total=len(jobs) * len(checks or CHECKS))
         for n, s, cell in jobs:
             subject = _subject(n, s, cell, report)
