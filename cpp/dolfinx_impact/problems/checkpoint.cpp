@@ -62,7 +62,8 @@ files::Identity identity_of(const TransientProblem& problem, const std::string& 
 void check_numbers(const std::filesystem::path& path, const State& saved, bool infinite)
 {
   for (const state::Field& field : saved.fields())
-    if (field.place == Place::all && !field.name.starts_with("step ")) // lengths of steps: no number where there is none
+    if (field.place == Place::all &&
+        !field.name.starts_with("step ")) // lengths of steps: no number where there is none
       if (const auto* values = std::get_if<std::span<double>>(&field.values))
         for (double value : *values)
           if (std::isnan(value) || (!infinite && std::isinf(value)))

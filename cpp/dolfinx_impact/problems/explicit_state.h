@@ -6,8 +6,8 @@ namespace dolfinx_impact::problems
 {
 /// What an explicit problem goes on from, values of its own: times, steps, energies, stable step, and as parts the
 /// integrator, the directions of the contacts (contact0_0, contact0_1, contact1_0, ...) and internal variables
-/// (operators/saved_history.h). Not: constants, loads and functions of time, and the schedule of an `advance` that was left,
-/// which `stepper().schedule()` is. Contact is searched anew in the next step. Collective.
+/// (operators/saved_history.h). Not: constants, loads and functions of time, and the schedule of an `advance` that was
+/// left, which `stepper().schedule()` is. Contact is searched anew in the next step. Collective.
 state::State saved_state(ExplicitProblem& problem);
 
 /// A state of that structure whose values do not matter; nothing is computed.

@@ -14,7 +14,6 @@ from .. import _cpp
 from ..assembly import problem_arguments
 from ..common.types import BoolArray, IntArray
 from ..contact.penalty.penalty import Penalty
-from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem
 from .spring_start import SpringStart
 from .started_problem import StartedProblem
@@ -70,13 +69,13 @@ def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict
         given: further arguments of the explicit problem.
     """
     V = static.u.function_space
-    history = State("history")
-    add_history(history, static)
+    history = {name: field.values for name, field in static.history.items()} if static.has_history else {}
     given = {"velocity": fem.Function(V, name="velocity"), **given}
 
     def build(u: fem.Function) -> StartedProblem:
         problem = kind(u, static.material, **given)
-        set_history(history, problem)
+        for name, values in history.items():
+            problem.history[name].values = values
         return problem
 
     u = fem.Function(V, name=static.u.name)

@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import abc
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from .. import _cpp
-from ..assembly.history import MaterialHistory
 from ..common import arguments
 from ..common.collective import agree, attempt, guard
 from ..common.interrupts import Interrupts
@@ -28,18 +26,6 @@ class Flushes(Protocol):
 
     def flush(self) -> None:
         """Write it. Collective."""
-
-
-class HasHistory(Protocol):
-    """A problem whose material may have internal variables."""
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials."""
 
 
 class Checkpoints(abc.ABC):
@@ -174,37 +160,6 @@ def number(state: _cpp.state.State, name: str) -> float:
     return value
 
 
-def add_history(state: _cpp.state.State, problem: HasHistory) -> None:
-    """Add internal variables as a part: a row of all points of a cell for each owned cell.
-
-    Args:
-        state: state that gets them.
-        problem: the problem.
-    """
-    if not problem.has_history:
-        return
-    part = State("material")
-    for name, field in problem.history.items():
-        values = field.values
-        # A rank may own no cells: the number of columns does not follow from the values then.
-        rows = values.reshape(len(values), math.prod(values.shape[1:]))
-        part.add(name, Place.cell, np.ascontiguousarray(rows))
-    state.add(part)
-
-
-def set_history(saved: _cpp.state.State, problem: HasHistory) -> None:
-    """Set internal variables to those of `add_history`.
-
-    Args:
-        saved: state that has them.
-        problem: the problem.
-    """
-    if not problem.has_history:
-        return
-    for name, field in problem.history.items():
-        field.values = saved.part("material").array(name).reshape(field.values.shape)
-
-
 def check_functions(path: FilePath, saved: AnyArray, functions: Functions, time: float, end: float) -> None:
     """Raise ValueError unless functions of time have the values that were saved.
 
@@ -224,7 +179,4 @@ def check_functions(path: FilePath, saved: AnyArray, functions: Functions, time:
         )
 
 
-__all__ = [
-    "Checkpoints", "Place", "SAME", "State", "add_history", "add_numbers", "check_functions", "number", "refuse",
-    "set_history",
-]  # fmt: skip
+__all__ = ["Checkpoints", "Place", "SAME", "State", "add_numbers", "check_functions", "number", "refuse"]
