@@ -34,7 +34,7 @@ from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warni
 from . import newton
 from ..io.mesh_check import check_cells
 from .load_steps import Limits, Report, run_steps
-from ..common.types import BoolArray, FilePath, FloatArray
+from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import Unique, claim
 from ..contact.protocol import BodyTangent

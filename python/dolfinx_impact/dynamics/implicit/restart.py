@@ -5,39 +5,72 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 
 from ... import _cpp
 from ...common.collective import agree, attempt
-from ...common.types import FilePath
+from ...common.types import FilePath, FloatArray
 from ...io import checkpoints
-from ...io.checkpoint import Attribute
+from ...io.checkpoint import Attribute, Subject
 from ...io.checkpoints import Checkpoints, number, refuse
 from ...io.signature import functions_of_time
-from ..subject import check_nodal, in_time
+from ..functions_of_time import FunctionsOfTime
+from ..subject import check_nodal
+from .stepper import ImplicitStepper
 
 if TYPE_CHECKING:
     from ..recorder import Recorder
-    from .problem import NewmarkProblem
 
 WORKS = ("work internal", "work external", "work damping")
 NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement", *WORKS)
+
+
+class SavedImplicit(Protocol):
+    """An implicit problem as its checkpoints see it.
+
+    Attributes:
+        space: displacement space.
+        functions: functions of time.
+        stepper: time stepping.
+    """
+
+    space: FunctionSpace
+    functions: FunctionsOfTime
+    stepper: ImplicitStepper
+
+    @property
+    def time(self) -> float:
+        """Present time [T]."""
+
+    @property
+    def _cpp_object(self) -> _cpp.problems.NewmarkProblem:
+        """The problem in C++."""
+
+    def sample(self, times: FloatArray) -> FloatArray:
+        """Values of all functions of time. Collective.
+
+        Args:
+            times: times, (n) [T].
+        """
+        ...
 
 
 class ImplicitRestart(Checkpoints):
     """Saves and restores an implicit problem; see NewmarkProblem.save and restore.
 
     Args:
+        subject: the problem as checkpoints of all problems see it.
         problem: the problem.
         resumed: function that computes what follows from a restored state.
     """
 
     more = ("functions of time",)
 
-    def __init__(self, problem: NewmarkProblem, resumed: Callable[[], None]) -> None:
-        super().__init__(in_time(problem))
+    def __init__(self, subject: Subject, problem: SavedImplicit, resumed: Callable[[], None]) -> None:
+        super().__init__(subject)
         self.problem, self._resumed = problem, resumed
 
     def _recorders(self) -> Sequence[Recorder]:

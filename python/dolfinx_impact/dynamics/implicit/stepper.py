@@ -164,7 +164,11 @@ class ImplicitStepper(Described):
             length = known.length
         expected = max(1, math.ceil((until - self.time) / length))
         schedule = StepSchedule(self.time, until, self.step, self.step + expected)
-        with self.calls.running(), Interrupts(self.comm) as interrupts, ProgressBar(self.comm, schedule, progress) as bar:
+        with (
+            self.calls.running(),
+            Interrupts(self.comm) as interrupts,
+            ProgressBar(self.comm, schedule, progress) as bar,
+        ):
 
             def iteration(i: int, norm: float, scale: float, size: int, changes: int) -> None:
                 log.iteration(i, norm, scale, size, changes)
@@ -194,8 +198,8 @@ class ImplicitStepper(Described):
 
             try:
                 self._problem.advance(
-                    until, limits.dt, limits.tolerance, limits.smallest, limits.rtol, limits.atol, limits.max_iterations,
-                    log=log, progress=log.progress.show, iteration=iteration,
+                    until, limits.dt, limits.tolerance, limits.smallest, limits.rtol, limits.atol,
+                    limits.max_iterations, log=log, progress=log.progress.show, iteration=iteration,
                     update=None if update is None else lambda time: self.update(update, time),
                     started=started, begins=begins, goal=goal, accepted=after_step, table=table,
                 )  # fmt: skip
