@@ -21,7 +21,8 @@ using dolfinx_impact::solve::LinearSolverLimits;
 typedef dolfinx::fem::Function<double> Function;
 typedef std::array<double, 3> Vector;
 
-/// Table of the functions of time at some times, (num_times, num_columns), from Python, which raises on all ranks alike.
+/// Table of the functions of time at some times, (num_times, num_columns), from Python, which raises on all ranks
+/// alike.
 FunctionsOfTime::Source source_of(nb::callable table)
 {
   return [table = std::move(table)](std::span<const double> times)
@@ -62,12 +63,11 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
             BodyLoads loads{std::move(work), {}};
             for (const auto& [constant, start] : scaled)
               loads.scaled.push_back({constant, *from_table(start)});
-            new (self) ImplicitBody{std::move(body),    std::move(inertia), {mass.data(), mass.data() + mass.size()}, alpha,
-                                    std::move(damping), std::move(loads)};
+            new (self) ImplicitBody{std::move(body), std::move(inertia), {mass.data(), mass.data() + mass.size()},
+                                    alpha,           std::move(damping), std::move(loads)};
           },
           nb::arg("body"), nb::arg("inertia"), nb::arg("mass"), nb::arg("alpha"), nb::arg("damping").none(),
-          nb::arg("work").none(), nb::arg("scaled"),
-          "scaled: constants of loads, and their amplitudes at the start");
+          nb::arg("work").none(), nb::arg("scaled"), "scaled: constants of loads, and their amplitudes at the start");
   nb::class_<ImplicitContact>(m, "ImplicitContact", "A contact of implicit steps")
       .def(
           "__init__",
@@ -119,8 +119,8 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
           },
           nb::arg("until"), nb::arg("dt"), nb::arg("tolerance").none(), nb::arg("smallest"), nb::arg("rtol"),
           nb::arg("atol"), nb::arg("max_iterations"), nb::arg("log"), nb::arg("progress"), nb::arg("iteration"),
-          nb::arg("update").none(), nb::arg("started"), nb::arg("begins"), nb::arg("goal"), nb::arg("accepted"), nb::arg("table"),
-          "Advance to a time. Collective")
+          nb::arg("update").none(), nb::arg("started"), nb::arg("begins"), nb::arg("goal"), nb::arg("accepted"),
+          nb::arg("table"), "Advance to a time. Collective")
       .def(
           "energies",
           [](NewmarkProblem& self)

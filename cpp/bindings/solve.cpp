@@ -345,8 +345,7 @@ void bind_newton(nb::module_& m)
           nb::rv_policy::move)
       .def_prop_ro("has_multipliers", &Newton::has_multipliers)
       .def_prop_rw(
-          "seconds",
-          [](const Newton& self) { return by_part(self.seconds); },
+          "seconds", [](const Newton& self) { return by_part(self.seconds); },
           [](Newton& self, const std::map<std::string, double>& seconds)
           { self.seconds = {seconds.at("bodies"), seconds.at("contact"), seconds.at("linear")}; });
   nb::class_<IncrementSolver>(m, "IncrementSolver", "Solves increments by the SNES that PETSc's options choose")

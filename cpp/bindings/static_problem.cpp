@@ -38,10 +38,9 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           nb::arg("u"), nb::arg("body"), nb::arg("bcs"), nb::arg("contacts"), nb::arg("petsc"), nb::arg("prefix"),
           nb::arg("axisymmetric"), nb::arg("limits"), nb::arg("warn"), "Collective")
       .def(
-          "add_load",
-          [](StaticProblem& self, Changeable value, Changeable reached)
-          { self.add_load({{value.data(), value.size()}, {reached.data(), reached.size()}}); },
-          nb::arg("value"), nb::arg("reached"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
+          "add_load", [](StaticProblem& self, Changeable value, Changeable reached)
+          { self.add_load({{value.data(), value.size()}, {reached.data(), reached.size()}}); }, nb::arg("value"),
+          nb::arg("reached"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
           "A load that is applied in parts: views of its value and of that which was reached")
       .def("move_obstacle", &StaticProblem::move_obstacle, nb::arg("contact"), nb::arg("displacement"),
            "Displacement of a contact's rigid master that the next solve leads to [L]")
@@ -51,9 +50,9 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
              Line progress, std::function<void(int, double, double, std::int64_t, std::int64_t)> iteration,
              std::function<void(int, double, double)> begins, std::function<void(double)> accepted)
           {
-            return self.solve(solve_options(steps, rtol, atol, max_iterations, cut_backs),
-                              {{log, std::move(progress), std::move(iteration)},
-                               {log, std::move(begins), std::move(accepted)}});
+            return self.solve(
+                solve_options(steps, rtol, atol, max_iterations, cut_backs),
+                {{log, std::move(progress), std::move(iteration)}, {log, std::move(begins), std::move(accepted)}});
           },
           nb::arg("steps"), nb::arg("rtol"), nb::arg("atol"), nb::arg("max_iterations"), nb::arg("cut_backs"),
           nb::arg("log"), nb::arg("progress"), nb::arg("iteration"), nb::arg("begins"), nb::arg("accepted"),
@@ -80,6 +79,6 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           "resume", [](StaticProblem& self, const dolfinx_impact::state::State& saved) { resume(self, saved); },
           nb::arg("saved"), "Go on from what saved_state has returned. Collective")
       .def("forget", &StaticProblem::forget, "Forget what `state` does not have. Collective")
-      .def_prop_ro("equilibrium",
-                   [](const StaticProblem& self) { return std::const_pointer_cast<EquilibriumProblem>(self.equilibrium()); });
+      .def_prop_ro("equilibrium", [](const StaticProblem& self)
+                   { return std::const_pointer_cast<EquilibriumProblem>(self.equilibrium()); });
 }

@@ -144,5 +144,8 @@ state::State AssembledBody::saved_state()
   return operators::saved_history(histories(), topology->index_map(topology->dim())->size_local());
 }
 
-void AssembledBody::resume(const state::State& saved) { operators::resume_history(histories(), saved); }
+void AssembledBody::resume(const state::State& saved)
+{
+  operators::resume_history(histories(), saved);
+}
 } // namespace dolfinx_impact::problems

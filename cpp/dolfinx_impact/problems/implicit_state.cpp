@@ -85,16 +85,19 @@ void resume(NewmarkProblem& problem, const State& saved)
   p.u->x()->scatter_fwd();
   if (const State bodies = p.body->saved_state(); !bodies.fields().empty())
     p.body->resume(saved.part("material"));
-  stepper.set_motion({vector(saved, "displacement"), vector(saved, "velocity"), vector(saved, "acceleration"),
-                      vector(saved, "mean")});
+  stepper.set_motion(
+      {vector(saved, "displacement"), vector(saved, "velocity"), vector(saved, "acceleration"), vector(saved, "mean")});
   stepper.set_time(number<double>(saved, "time"), saved.values<std::int64_t>("step")[0]);
   stepper.largest_displacement() = number<double>(saved, "largest_displacement");
   problem.set_control(control_of(saved));
   resume_contacts(saved, p.contacts, p.u->x()->array());
-  stepper.account().set_works(
-      {number<double>(saved, "work internal"), number<double>(saved, "work external"), number<double>(saved, "work damping")});
-  integrators::Forces forces{vector(saved, "force internal"), vector(saved, "force external"),
-                             vector(saved, "force damping"), vector(saved, "force support"), {}};
+  stepper.account().set_works({number<double>(saved, "work internal"), number<double>(saved, "work external"),
+                               number<double>(saved, "work damping")});
+  integrators::Forces forces{vector(saved, "force internal"),
+                             vector(saved, "force external"),
+                             vector(saved, "force damping"),
+                             vector(saved, "force support"),
+                             {}};
   for (std::size_t k = 0; k < p.contacts.size(); ++k)
     forces.obstacles.push_back({obstacles[3 * k], obstacles[3 * k + 1], obstacles[3 * k + 2]});
   stepper.account().set_forces(std::move(forces));

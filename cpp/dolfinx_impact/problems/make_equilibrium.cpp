@@ -77,8 +77,8 @@ make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_
   p.keeps_multipliers = shared || (!multipliers.empty() && !condenses(options, common)) ||
                         std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
                                             { return contact->options().basis != gap::Multipliers::dual; });
-  p.linear_solver = std::make_shared<solve::LinearSolver>(
-      *V, options.petsc, common, p.keeps_multipliers, options.limits, options.warn);
+  p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, common, p.keeps_multipliers,
+                                                          options.limits, options.warn);
   mark_as_read(p.linear_solver->prefix());
   // The tangent of multiplier forces between deformable bodies is not symmetric, and conjugate gradients do not
   // converge with it: their product with the last guess is on the right-hand side then.

@@ -14,9 +14,9 @@ struct SolverOptions
   /// PETSc options by name, without prefix. Besides those of KSP and SNES: contact_tolerance, contact_max_updates,
   /// contact_responses (solve::NewtonOptions) and contact_condense: multipliers are condensed where they can be.
   solve::LinearSolver::Options petsc = {};
-  std::string prefix = "";                 ///< of options on the command line; empty: that of the kind of problem
-  bool axisymmetric = false;               ///< x is the radius
-  solve::LinearSolverLimits limits = {};   ///< which systems are factorised
+  std::string prefix = "";               ///< of options on the command line; empty: that of the kind of problem
+  bool axisymmetric = false;             ///< x is the radius
+  solve::LinearSolverLimits limits = {}; ///< which systems are factorised
   /// Is called on all ranks with a warning of the linear solver; empty: warnings are printed on rank 0.
   std::function<void(const std::string&)> warn = {};
 };

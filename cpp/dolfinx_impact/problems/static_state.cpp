@@ -14,8 +14,7 @@ State saved_state(StaticProblem& problem)
   const solve::EquilibriumProblem& p = *problem.equilibrium();
   State out("static problem");
   const auto u = p.u->x()->array().subspan(0, p.num_owned());
-  out.add_own("displacement", Place::node, std::vector<double>(u.begin(), u.end()),
-              p.space().dofmap()->index_map_bs());
+  out.add_own("displacement", Place::node, std::vector<double>(u.begin(), u.end()), p.space().dofmap()->index_map_bs());
   if (State bodies = p.body->saved_state(); !bodies.fields().empty())
     out.add(std::move(bodies));
   State reached("reached");

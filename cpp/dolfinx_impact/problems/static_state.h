@@ -4,8 +4,8 @@
 
 namespace dolfinx_impact::problems
 {
-/// What the next solve of a static problem starts from, values of its own: displacement, loads that were reached, and as
-/// parts internal variables ("material") and contacts (contact0, contact1, ...). Collective.
+/// What the next solve of a static problem starts from, values of its own: displacement, loads that were reached, and
+/// as parts internal variables ("material") and contacts (contact0, contact1, ...). Collective.
 state::State saved_state(StaticProblem& problem);
 
 /// Go on from what `saved_state` has returned, perhaps on other ranks. Collective.

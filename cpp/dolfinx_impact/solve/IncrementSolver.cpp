@@ -126,7 +126,10 @@ std::string IncrementSolver::method() const
   return type ? type : "";
 }
 
-bool IncrementSolver::own() const { return method() == SNESSHELL; }
+bool IncrementSolver::own() const
+{
+  return method() == SNESSHELL;
+}
 
 void IncrementSolver::forget()
 {
@@ -187,8 +190,8 @@ void IncrementSolver::call_petsc()
     throw std::runtime_error("SNES of type " + method() + " has failed" + (error ? ": " + error->text() : ""));
 }
 
-/// The package's own method, for SNES of type "shell". What it throws is no error for PETSc, whose handlers would tell it
-/// in their own words.
+/// The package's own method, for SNES of type "shell". What it throws is no error for PETSc, whose handlers would tell
+/// it in their own words.
 PetscErrorCode IncrementSolver::solve_own(SNES snes, Vec x)
 {
   void* context = nullptr;

@@ -38,8 +38,8 @@ public:
   void forget();
   /// Forget whom the solver tells: their functions are not called any more.
   void tell_nobody();
-  /// Give back the memory of PETSc's objects at once; without it, all ranks do so together later on. Nothing else may be
-  /// called afterwards. Collective.
+  /// Give back the memory of PETSc's objects at once; without it, all ranks do so together later on. Nothing else may
+  /// be called afterwards. Collective.
   void free();
   const SolveSeconds& seconds() const { return _newton->seconds; }
 
@@ -68,13 +68,13 @@ private:
   double _step_tolerance = 0.0;
   SNES _snes = nullptr;
   Vec _F = nullptr, _x = nullptr;
-  Mat _J = nullptr;                   ///< tangent of PETSc's methods
-  PetscInt _max_evaluations = 0;      ///< that PETSc's methods may make
+  Mat _J = nullptr;              ///< tangent of PETSc's methods
+  PetscInt _max_evaluations = 0; ///< that PETSc's methods may make
   std::unique_ptr<Newton> _newton;
-  std::span<const double> _target;    ///< of the present increment
-  Increment _result;                  ///< of it
-  double _scale = 0.0;                ///< force that residuals are relative to, with PETSc's methods [F]
-  std::int64_t _changes = 0;          ///< of contact status since the last iteration, with PETSc's methods
-  std::exception_ptr _thrown;         ///< by a function that PETSc has called
+  std::span<const double> _target; ///< of the present increment
+  Increment _result;               ///< of it
+  double _scale = 0.0;             ///< force that residuals are relative to, with PETSc's methods [F]
+  std::int64_t _changes = 0;       ///< of contact status since the last iteration, with PETSc's methods
+  std::exception_ptr _thrown;      ///< by a function that PETSc has called
 };
 } // namespace dolfinx_impact::solve

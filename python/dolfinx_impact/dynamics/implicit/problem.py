@@ -47,6 +47,7 @@ from ..recorder import Recorder, check_arguments
 from ..in_time import implicit_contact, prescribed_motion
 from ..run_history import ENERGIES, RunHistory, total_energy
 from ..stable_step import cell_sizes
+from ..subject import in_time
 from ..transient_problem import TransientProblem
 from ..read_once import ReadOnce
 from .mass_redistribution import MassRedistribution
@@ -229,9 +230,9 @@ class NewmarkProblem(TransientProblem):
         # What `evaluate` sets is no value that comes late.
         self.evaluates = evaluate is not None
         self.functions = FunctionsOfTime()
-        in_time = [load for load in self.loads if getattr(load, "amplitude", None) is not None]
+        with_amplitude = [load for load in self.loads if getattr(load, "amplitude", None) is not None]
         scaled: list[tuple[Any, FloatArray]] = []  # constants of these loads, and their amplitudes at the start
-        for load in in_time:
+        for load in with_amplitude:
             self.functions.add(Amplitude(load.amplitude, f"amplitude of {type(load).__name__}"))
             scaled.append((load.constant._cpp_object, np.ones(1)))
         motions = [prescribed_motion(bc, self.functions) for bc in bcs]
@@ -274,9 +275,7 @@ class NewmarkProblem(TransientProblem):
         self.stepper = ImplicitStepper(
             self._cpp_object, self.comm, u, self.velocity, material, self.inputs, self.read, self.evaluates
         )
-        self._restart = ImplicitRestart(
-            self, self._cpp_object, self.functions, self.stepper.recorders, self.sample, self._set_energy
-        )
+        self._restart = ImplicitRestart(in_time(self), self, self._set_energy)
         self._set_energy()
         self._warn_of_small_steps()
         self._growth: GrowthGuard | None = None

@@ -5,19 +5,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
 
 from ... import _cpp
 from ...common.collective import agree, attempt
 from ...common.types import FilePath, FloatArray
 from ...io import checkpoints
-from ...io.checkpoint import Attribute
+from ...io.checkpoint import Attribute, Subject
 from ...io.checkpoints import Checkpoints, number, refuse
-from ...io.signature import Problem, functions_of_time
+from ...io.signature import functions_of_time
 from ..functions_of_time import FunctionsOfTime
-from ..subject import check_nodal, in_time
+from ..subject import check_nodal
+from .stepper import ImplicitStepper
 
 if TYPE_CHECKING:
     from ..recorder import Recorder
@@ -26,45 +28,63 @@ WORKS = ("work internal", "work external", "work damping")
 NUMBERS = ("time", "step", "largest", "total_start", "largest_displacement", *WORKS)
 
 
+class SavedImplicit(Protocol):
+    """An implicit problem as its checkpoints see it.
+
+    Attributes:
+        space: displacement space.
+        functions: functions of time.
+        stepper: time stepping.
+    """
+
+    space: FunctionSpace
+    functions: FunctionsOfTime
+    stepper: ImplicitStepper
+
+    @property
+    def time(self) -> float:
+        """Present time [T]."""
+
+    @property
+    def _cpp_object(self) -> _cpp.problems.NewmarkProblem:
+        """The problem in C++."""
+
+    def sample(self, times: FloatArray) -> FloatArray:
+        """Values of all functions of time. Collective.
+
+        Args:
+            times: times, (n) [T].
+        """
+        ...
+
+
 class ImplicitRestart(Checkpoints):
     """Saves and restores an implicit problem; see NewmarkProblem.save and restore.
 
     Args:
-        problem: the problem, as a checkpoint tells it from others.
-        cpp_object: the problem in C++.
-        functions: functions of time of loads, supports and obstacles.
-        recorders: Recorders that write during the run.
-        sample: function that returns values of all functions of time at given times.
+        subject: the problem as checkpoints of all problems see it.
+        problem: the problem.
         resumed: function that computes what follows from a restored state.
     """
 
     more = ("functions of time",)
 
-    def __init__(
-        self,
-        problem: Problem,
-        cpp_object: _cpp.problems.NewmarkProblem,
-        functions: FunctionsOfTime,
-        recorders: Sequence[Recorder],
-        sample: Callable[[FloatArray], FloatArray],
-        resumed: Callable[[], None],
-    ) -> None:
-        super().__init__(in_time(problem))
-        self._space, self._cpp_object, self._functions = problem.space, cpp_object, functions
-        self._written_by, self._sample, self._resumed = recorders, sample, resumed
+    def __init__(self, subject: Subject, problem: SavedImplicit, resumed: Callable[[], None]) -> None:
+        super().__init__(subject)
+        self.problem, self._resumed = problem, resumed
 
     def _recorders(self) -> Sequence[Recorder]:
-        return self._written_by
+        return self.problem.stepper.recorders
 
     def _check_kind(self, call: str) -> None:
-        check_nodal(self._space, call)
+        check_nodal(self.problem.space, call)
 
     def _state(self) -> _cpp.state.State:
-        return self._cpp_object.saved_state()
+        return self.problem._cpp_object.saved_state()
 
     def _attributes(self) -> dict[str, Attribute]:
-        time = self._cpp_object.time
-        table, error = attempt(functions_of_time, self._functions, time, time)
+        time = self.problem.time
+        table, error = attempt(functions_of_time, self.problem.functions, time, time)
         agree(self.comm, error, "functions of time")
         return {"functions of time": table}
 
@@ -79,12 +99,12 @@ class ImplicitRestart(Checkpoints):
             raise refuse(path, "largest values are negative")
         if not np.all(np.isfinite(saved.array("obstacles"))):
             raise refuse(path, f"obstacles is {saved.array('obstacles')!r}")
-        checkpoints.check_functions(path, attributes["functions of time"], self._functions, time, time)
+        checkpoints.check_functions(path, attributes["functions of time"], self.problem.functions, time, time)
 
     def _apply(self, saved: _cpp.state.State, attributes: Mapping[str, Any], checked: Any) -> None:
-        self._cpp_object.resume(saved, self._sample)
+        self.problem._cpp_object.resume(saved, self.problem.sample)
         self._resumed()
 
     def _forget(self) -> None:
         """Factors, start vectors, candidates of the search."""
-        self._cpp_object.forget()
+        self.problem._cpp_object.forget()

@@ -188,9 +188,8 @@ class ImplicitStepper(Described):
 
             try:
                 self._problem.advance(
-                    until, limits.dt, limits.tolerance, limits.smallest,
-                    limits.rtol, limits.atol, limits.max_iterations,
-                    log=log, progress=log.progress.show, iteration=iteration,
+                    until, limits.dt, limits.tolerance, limits.smallest, limits.rtol, limits.atol,
+                    limits.max_iterations, log=log, progress=log.progress.show, iteration=iteration,
                     update=None if update is None else lambda time: self.update(update, time),
                     started=started, begins=begins, goal=goal, accepted=after_step, table=table,
                 )  # fmt: skip
