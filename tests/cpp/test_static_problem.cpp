@@ -4,14 +4,16 @@
 #include <basix/finite-element.h>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/problems/KernelBody.h>
-#include <dolfinx_impact/problems/StaticProblem.h>
+#include <dolfinx_impact/problems/static_state.h>
 #include <dolfinx_impact/surface/Surface.h>
 #include <stdexcept>
+#include <utility>
 
 using namespace dolfinx;
 using namespace dolfinx_impact;
@@ -40,7 +42,7 @@ struct Block
     };
   }
 
-  explicit Block(const std::string& law)
+  explicit Block(const std::string& law, const solve::LinearSolver::Options& petsc = {})
   {
     auto mesh = std::make_shared<mesh::Mesh<double>>(mesh::create_rectangle<double>(
         MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, height}}}, {2, 3}, mesh::CellType::quadrilateral));
@@ -59,7 +61,8 @@ struct Block
     contact = std::make_shared<enforcement::QuadraturePenalty>("floor", V, surface::make_surface(*V, facets), plane,
                                                                enforcement::PenaltyOptions{.penalty = 1e4});
     problem = std::make_shared<problems::StaticProblem>(
-        u, body, bcs, std::vector<std::shared_ptr<enforcement::StaticContact>>{contact});
+        u, body, bcs, std::vector<std::shared_ptr<enforcement::StaticContact>>{contact},
+        problems::SolverOptions{.petsc = petsc});
   }
 
   void press(double by)
@@ -101,6 +104,92 @@ TEST_CASE("a problem goes back to a copied state, and on from there to the same 
   for (std::size_t i = 0; i < one.size(); ++i)
     difference = std::max(difference, std::abs(one[i] - other[i]));
   CHECK(difference < 1e-9 * 0.03); // Newton's tolerance is 1e-10 of the force
+}
+
+TEST_CASE("methods of PETSc's find the same equilibrium, and are told of by the same events")
+{
+  const std::string method = GENERATE("shell", "python", "newtonls", "newtontr"); // the first two are our own
+  Block right("neo_hookean"), block("neo_hookean", {{"snes_type", method}});
+  for (Block* one : {&right, &block})
+    one->press(0.05);
+  right.problem->solve();
+  int iterations = 0, lines = 0, accepted = 0;
+  problems::SolveEvents events;
+  events.newton.iteration = [&](int, double norm, double, std::int64_t, std::int64_t) { iterations += norm >= 0.0; };
+  events.steps.log = [&](const std::string&) { ++lines; };
+  events.steps.accepted = [&](double) { ++accepted; };
+  const auto report = block.problem->solve({.steps = 2, .rtol = 1e-11}, events);
+  CHECK(accepted == 2);
+  CHECK(lines >= 2);
+  CHECK(std::size_t(iterations) == report.residual_norms[0].size() + report.residual_norms[1].size());
+  CHECK(block.contact->totals().force[1] == Catch::Approx(right.contact->totals().force[1]).epsilon(1e-8));
+  // Forces of the support balance that of the contact.
+  const std::vector<double> reactions = block.problem->reactions();
+  double sum = 0.0;
+  for (std::size_t i = 1; i < reactions.size(); i += 2)
+    sum += reactions[i];
+  CHECK(-sum == Catch::Approx(block.contact->totals().force[1]).epsilon(1e-8));
+}
+
+TEST_CASE("options of SNES that PETSc does not take are refused")
+{
+  Block block("linear_elastic", {{"snes_type", "none such"}});
+  block.press(0.01);
+  CHECK_THROWS_AS(block.problem->solve(), std::invalid_argument);
+}
+
+TEST_CASE("what an event throws leaves the last converged state, from which the next solve goes on")
+{
+  Block right("neo_hookean"), block("neo_hookean");
+  for (Block* one : {&right, &block})
+    one->press(0.05);
+  right.problem->solve({.steps = 2});
+  problems::SolveEvents events;
+  events.newton.iteration = [&, first = true](int iteration, double, double, std::int64_t, std::int64_t) mutable
+  {
+    if (iteration == 0 && !std::exchange(first, false))
+      throw std::domain_error("enough"); // in the second increment
+  };
+  CHECK_THROWS_AS(block.problem->solve({.steps = 2}, events), std::domain_error);
+  const double half = block.contact->totals().force[1], whole = right.contact->totals().force[1];
+  CHECK(half > 0.4 * whole);
+  CHECK(half < 0.6 * whole);
+  block.problem->solve();
+  CHECK(block.contact->totals().force[1] == Catch::Approx(whole).epsilon(1e-8));
+}
+
+TEST_CASE("increments may be solved by a function of one's own")
+{
+  Block block("linear_elastic");
+  block.press(0.01);
+  solve::IncrementSolver own(block.problem->equilibrium(), {});
+  int calls = 0;
+  const auto report = block.problem->solve(
+      [&](std::span<const double> goal)
+      {
+        solve::Increment found = own.run(goal);
+        return ++calls == 1 ? found.failed("made to fail") : found;
+      });
+  CHECK(report.cut_backs == 1);
+  CHECK(report.fractions == std::vector{0.5, 1.0});
+  CHECK(block.contact->totals().force[1] == Catch::Approx(0.01 / (height / E + 1e-4)).epsilon(1e-9));
+}
+
+TEST_CASE("another problem goes on from what one has saved")
+{
+  Block block("neo_hookean"), again("neo_hookean");
+  block.press(0.01);
+  block.problem->solve();
+  const state::State kept = problems::saved_state(*block.problem);
+  problems::resume(*again.problem, kept);
+  CHECK(problems::saved_state(*again.problem).difference_of_values(kept).empty());
+  for (Block* one : {&block, &again})
+  {
+    one->problem->forget();
+    one->press(0.03);
+    one->problem->solve();
+  }
+  CHECK(again.problem->state().difference_of_values(block.problem->state()).empty());
 }
 
 TEST_CASE("a static problem refuses what it has not")
