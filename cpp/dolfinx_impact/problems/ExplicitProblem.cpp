@@ -6,8 +6,13 @@
 #include "../common/text.h"
 #include "../enforcement/node_to_surface/KinematicContact.h"
 #include "../enforcement/node_to_surface/NodePenalty.h"
+#include "../enforcement/node_to_surface/TrialSprings.h"
+#include "../enforcement/node_to_surface/nodal_compliances.h"
+#include "../integrators/assembled_step.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
@@ -62,13 +67,67 @@ FunctionsOfTime functions_of(const std::vector<LoadInTime>& loads)
   return out;
 }
 
-integrators::CellSteps cell_steps(const ExplicitBody& body, const std::vector<ContactInTime>& contacts,
-                                  integrators::Scheme scheme)
+/// Masses of the nodes that this rank owns.
+std::vector<double> nodal_masses(const ExplicitBody& body, const dolfinx::fem::FunctionSpace<double>& V)
 {
+  const std::size_t bs = V.dofmap()->index_map_bs();
+  std::vector<double> out(V.dofmap()->index_map->size_local());
+  for (std::size_t node = 0; node < out.size(); ++node)
+    out[node] = body.mass[node * bs];
+  return out;
+}
+
+integrators::CellSteps cell_steps(const ExplicitBody& body, const std::vector<ContactInTime>& contacts,
+                                  const dolfinx::fem::FunctionSpace<double>& V, integrators::Scheme scheme)
+{
+  const std::vector<double> mass = nodal_masses(body, V);
   double square = 0.0;
   for (const ContactInTime& c : contacts)
-    square += c.spring_frequency * c.spring_frequency;
+  {
+    const double frequency = c.contact.spring_frequency(mass);
+    square += frequency * frequency;
+  }
   return {body.damping, scheme, std::sqrt(square)};
+}
+
+/// Springs without a given penalty get the stiffness that the bodies offer at rest. Collective.
+std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, const ExplicitBody& body,
+                                          dolfinx::fem::Function<double>& u)
+{
+  /// The displacement that kernels read is zero meanwhile.
+  struct Rest
+  {
+    explicit Rest(std::span<double> u) : values(u), kept(u.begin(), u.end()) { std::ranges::fill(u, 0.0); }
+    ~Rest() { std::ranges::copy(kept, values.begin()); }
+    Rest(const Rest&) = delete;
+    Rest& operator=(const Rest&) = delete;
+    std::span<double> values;
+    std::vector<double> kept;
+  };
+  const auto frequency_stiffness = [&](std::span<const std::int8_t> nodes)
+  {
+    const Rest rest(u.x()->mutable_array());
+    return body.frequencies->nodal_stiffness(nodes);
+  };
+  std::optional<std::span<const double>> moduli;
+  if (body.elasticity)
+    moduli = body.elasticity->moduli;
+  for (const ContactInTime& c : contacts)
+  {
+    const auto& directions = c.contact.directions();
+    const auto* first = dynamic_cast<const enforcement::NodePenalty*>(directions.front().get());
+    if (!first || !first->lacks_compliances())
+      continue;
+    enforcement::NodalCompliances found =
+        enforcement::nodal_compliances(*u.function_space(), *first, moduli, frequency_stiffness);
+    for (const auto& direction : directions)
+    {
+      if (auto* springs = dynamic_cast<enforcement::NodePenalty*>(direction.get()))
+        springs->set_nodal_compliances(found);
+      std::swap(found.slave, found.master); // the other direction has both surfaces exchanged
+    }
+  }
+  return contacts;
 }
 
 /// Calls a function of the user after each step, all ranks together.
@@ -99,9 +158,10 @@ ExplicitProblem::ExplicitProblem(std::shared_ptr<Function> u, std::shared_ptr<Fu
                                  std::vector<ContactInTime> contacts, const ExplicitOptions& options,
                                  std::shared_ptr<Function> a)
     : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(loads), std::move(a)),
-      _body(std::move(body)), _contacts(std::move(contacts)),
+      _body(std::move(body)), _contacts(with_stiffness(std::move(contacts), _body, *_u)),
       _integrator(make_integrator(_body, *this, loads, _contacts, options)),
-      _safe(_u, _body.frequencies, cell_steps(_body, _contacts, options.scheme), _body.kind, *_integrator),
+      _safe(_u, _body.frequencies, cell_steps(_body, _contacts, *_u->function_space(), options.scheme), _body.kind,
+            *_integrator),
       _history(_contacts.size()), _stepper(system(), _time, _step)
 {
   RunObserver nobody;
@@ -153,16 +213,24 @@ std::string ExplicitProblem::unsolved() const
   return all == 0 ? "" : "the local equations of the material were not solved at " + std::to_string(all) + " points";
 }
 
-/// Nodes in the master by more than half a facet stay open: the bodies would pass through each other.
+/// Slave nodes in the master by more than half a facet stay open: the bodies would pass through each other. Of balanced
+/// contact the slave of the pair decides.
 void ExplicitProblem::check_overlap()
 {
   for (const ContactInTime& c : _contacts)
   {
-    long long deep = 0;
-    for (const auto& direction : c.contact.directions())
-      if (const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(direction.get()))
-        deep += (_step == 0 ? contact->too_deep(_integrator->displacement()) : std::nullopt)
-                    .value_or(contact->implausible());
+    const enforcement::NodalContact* slaves = c.contact.directions().front().get();
+    const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(slaves);
+    long long deep = contact ? contact->implausible() : 0;
+    if (_step == 0 && contact && contact->obstacle())
+      deep = contact->too_deep(_integrator->displacement()).value_or(0);
+    else if (_step == 0 && dynamic_cast<const enforcement::KinematicContact*>(slaves))
+    {
+      // Kinematic contact evaluates gaps inside steps only: springs find the nodes.
+      enforcement::TrialSprings trial(*_u->function_space(), c.contact, _integrator->displacement());
+      trial.force(1.0);
+      deep = trial.implausible();
+    }
     deep = common::sum(comm(), deep);
     if (deep > 0)
       throw common::BadValue(c.name + ": " + std::to_string(deep) +
@@ -203,10 +271,49 @@ void ExplicitProblem::advance(double until, const AdvanceOptions& options, RunOb
   _stepper.advance(until, options, observer);
 }
 
-double ExplicitProblem::stable_step()
+double ExplicitProblem::stable_step(StableStepMethod method)
 {
   update_motion();
-  return _safe.compute();
+  return stable_step_of_function(method);
+}
+
+double ExplicitProblem::stable_step_of_function(StableStepMethod method)
+{
+  if (method == StableStepMethod::element)
+    return _safe.compute();
+  if (method == StableStepMethod::eigenvalue)
+    return assembled_stable_step();
+  if (!_body.elasticity)
+    throw common::BadValue("L/c_d needs a material: use method 'element' or 'eigenvalue'");
+  const auto V = _u->function_space();
+  const std::vector<double> sizes = integrators::cell_sizes(*V->mesh());
+  const double degree = V->element()->basix_element().degree();
+  double shortest = std::numeric_limits<double>::infinity(); // time that a wave takes through a cell
+  for (std::size_t cell = 0; cell < sizes.size(); ++cell)
+    shortest = std::min(shortest, sizes[cell] / degree / _body.elasticity->wave_speeds[cell]);
+  const double omega = 2.0 / -common::largest(comm(), -shortest);
+  return _safe.steps()(std::array{omega * omega}, std::array{0.0})[0];
+}
+
+/// The limit of the assembled bodies, with the springs of given stiffness of all slave nodes that have a master now.
+double ExplicitProblem::assembled_stable_step()
+{
+  if (!_body.stiffness)
+    throw common::BadValue("the stiffness of these bodies cannot be assembled: use method 'element'");
+  std::vector<double> inverse(num_owned());
+  for (std::size_t i = 0; i < inverse.size(); ++i)
+    inverse[i] = _supports.mask()[i] ? 0.0 : 1.0 / _body.mass[i];
+  const auto K = _body.stiffness();
+  for (const ContactInTime& c : _contacts)
+    if (const auto* springs = dynamic_cast<const enforcement::NodePenalty*>(c.contact.directions().front().get());
+        springs && springs->penalty() > 0.0)
+      enforcement::TrialSprings(*_u->function_space(), c.contact, _u->x()->array()).add_to(K->matrix());
+  const integrators::CellSteps& steps = _safe.steps();
+  if (_body.cell_damping)
+    return integrators::assembled_step(K->matrix(), _body.cell_damping()->matrix(), inverse, steps.uniform,
+                                       _safe.compute());
+  const double omega = integrators::highest_frequency(K->matrix(), inverse);
+  return integrators::stable_step(omega * omega, 0.0, steps.uniform, steps.scheme);
 }
 
 state::State ExplicitProblem::state()

@@ -4,24 +4,20 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
-from mpi4py import MPI
 
 from .. import _cpp
 from ..added_mass import AddedMass
 from ..amplitude import Amplitude, PrescribedMotion
-from ..assembly import operators, problem_arguments
+from ..assembly import problem_arguments
 from ..assembly.body_stress import BodyStress
-from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.fields import check_inertia
-from ..assembly.history import MaterialHistory, existing
-from ..assembly.history_field import HistoryField
+from ..assembly.history import MaterialHistory
 from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
@@ -29,9 +25,8 @@ from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
-from ..common.unique import Unique, claim
+from ..common.unique import claim
 from ..common.units import Units
-from ..contact.explicit.springs import stiffness
 from ..forms.compiler.frontend import check_kinds
 from ..foundation import Foundation
 from ..io.mesh_check import check_cells
@@ -53,6 +48,7 @@ from .run_history import RunHistory
 from .stable_step import METHODS, cell_sizes
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
 from .time_stepper import TimeStepper
+from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalResult
@@ -61,7 +57,7 @@ if TYPE_CHECKING:
     from ..statics.problem import StaticProblem
 
 
-class ExplicitProblem(Unique):
+class ExplicitProblem(TransientProblem):
     """Motion of bodies with lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
@@ -189,15 +185,17 @@ class ExplicitProblem(Unique):
         self.velocity, self.acceleration = bodies.motion_velocity, fem.Function(V, name="acceleration")
         bodies.add_damping(self.damping, self.bulk_viscosity)
         bodies.add_foundations()
+        parts = bodies.parts
+        self._material_history = None if parts is None else MaterialHistory(parts, bodies.internal.history)
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
         self.contact: tuple[NodalResult, ...] = tuple([c._bind_explicit(self) for c in contact])
         alpha, beta = self.damping.alpha, self.damping.beta
-        self._damping_of_all = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
+        uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
-            bodies.body(self._damping_of_all), motions, dead,
+            bodies.body(uniform), motions, dead,
             [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
@@ -214,8 +212,7 @@ class ExplicitProblem(Unique):
         )  # fmt: skip
         self._calls = AdvanceCalls()
         self._stepper = TimeStepper(
-            self._cpp_object, mesh, functions, inputs, self._state, self.contact, RotationWarning(material),
-            self.unsolved_points,
+            self._cpp_object, mesh, functions, inputs, self._state, RotationWarning(material), self.unsolved_points,
         )  # fmt: skip
         if residual is not None:
             stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / safe.value) ** 2
@@ -289,27 +286,23 @@ class ExplicitProblem(Unique):
         one that was taken [T]."""
         return float(self._cpp_object.integrator.contact_step)
 
-    def restart_forces(self) -> None:
-        """Compute the forces of the start once more, after contacts have got a history. Collective."""
-        self._stepper.start()
+    def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
+        """Compute the forces of the start once more, after contacts have got a history. Collective.
+
+        Args:
+            equilibrium: bodies and contacts in equilibrium, whose internal variables the materials and whose forces the
+                springs begin with; bodies that press are moved against their master for it. None: there is none.
+
+        Raises:
+            RuntimeError: the springs do not bear the static force; on all ranks.
+        """
+        self._stepper.start(equilibrium)
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
         return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
-
-    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
-        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
-        the undeformed bodies, without foundations. Collective.
-
-        Args:
-            nodes: mask of the nodes that are asked for, owned and ghosts.
-
-        Returns:
-            Sums, owned and ghosts, right at these nodes; zero where cells have no stiffness [F/L].
-        """
-        return self._frequencies.nodal_stiffness(nodes)
 
     def _check_viscosity(self, factors: tuple[float, float] | None) -> tuple[float, float]:
         if factors is None:
@@ -406,16 +399,6 @@ class ExplicitProblem(Unique):
         return None if function is None else functools.partial(function, self)
 
     @property
-    def time(self) -> float:
-        """Present time [T]."""
-        return self._stepper.time
-
-    @property
-    def step(self) -> int:
-        """Number of the present step [1]."""
-        return self._stepper.step
-
-    @property
     def energy(self) -> dict[str, float]:
         """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, plastic,
         external, total [F L] and drift [1]; docs/explicit/energies.md."""
@@ -424,51 +407,6 @@ class ExplicitProblem(Unique):
     def unsolved_points(self) -> str:
         """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
         return self._bodies.internal.fault()
-
-    @property
-    def stress(self) -> HistoryField:
-        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(STRESS, self.history if self.has_history else None)
-
-    @property
-    def von_mises(self) -> HistoryField:
-        """Von Mises' equivalent stress at the quadrature points [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(VON_MISES, self.history if self.has_history else None)
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-        return self._bodies.parts is not None
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials by name, at the present time.
-
-        Raises:
-            ValueError: no material has any.
-        """
-        parts = self._bodies.parts
-        return existing(None if parts is None else MaterialHistory(parts, self._bodies.internal.history))
-
-    @property
-    def energy_history(self) -> FloatArray:
-        """Time and energies before every step, (num_steps, 10): time [T], then the energies of `energy` in its order,
-        up to external [F L]. The first row is the start of the run. Runs of more than `history_limit` steps have every
-        second, fourth, ... step."""
-        return self._history.energies
-
-    @property
-    def force_history(self) -> list[FloatArray]:
-        """Forces on the slaves at the times of `energy_history`, for each contact (num_steps, gdim) [F]."""
-        return self._history.forces
 
     @property
     def history_limit(self) -> int:
@@ -593,30 +531,10 @@ class ExplicitProblem(Unique):
         same(self.comm, "stable_step", method=method)
         if method not in METHODS:
             raise ValueError(f"method {method!r} is unknown: use one of {', '.join(METHODS)}")
-        if method == "length":
-            if self.material is None:
-                raise ValueError("L/c_d needs a material: use method 'element' or 'eigenvalue'")
-            smallest = float(np.min(self._cell_times(), initial=np.inf))
-            omega = 2.0 / self.comm.allreduce(smallest, MPI.MIN)
-        elif method == "element":
-            smallest = float(np.min(self.steps_by_cell(*self.frequencies_by_cell()), initial=np.inf))
-            return self.comm.allreduce(smallest, MPI.MIN)
-        else:
-            inverse = 1.0 / self.mass.array[: self.num_owned]
-            inverse[self.prescribed[: self.num_owned]] = 0.0
-            matrix = stiffness(self.contact, self.space, self.u.x.array)
-            if self._frequencies.damps:
-                found = self._frequencies.critical_step(inverse, matrix, self._damping_of_all, self.stable_step())
-            else:
-                omega = self._frequencies.highest(inverse, matrix)
-            if matrix is not None:
-                matrix.destroy()
-            if self._frequencies.damps:
-                return found
-        if method == "length":
-            omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
-        scheme = getattr(_cpp.integrators.Scheme, self.scheme)
-        return float(_cpp.problems.stable_step(omega**2, 0.0, self._damping_of_all, scheme))
+        if method == "length" and self.material is None:
+            raise ValueError("L/c_d needs a material: use method 'element' or 'eigenvalue'")
+        self._frequencies.update()
+        return float(self._cpp_object.stable_step(getattr(_cpp.problems.StableStepMethod, method)))
 
     def frequencies_by_cell(self, only: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Largest eigenvalues of owned cells at the present state; see Frequencies.by_cell. Collective.
@@ -644,13 +562,3 @@ class ExplicitProblem(Unique):
         """
         steps: FloatArray = self._cpp_object.safe_step.steps(squares, rates)
         return steps
-
-    def _cell_times(self) -> FloatArray:
-        """Time that a dilatational wave takes through each owned cell, (num_cells) [T]."""
-        assert self.material is not None  # checked by stable_step
-        mesh = self.space.mesh
-        times = cell_sizes(mesh) / self.space.element.basix_element.degree
-        for tag, m in self.material.parts():
-            cells = operators.entities_of(mesh, "cell", -1 if tag is None else tag, self.material.cell_tags)
-            times[cells] /= m.wave_speed
-        return times

@@ -91,7 +91,7 @@ class Restart(Checkpoints):
     def _attributes(self) -> dict[str, Attribute]:
         stepper, s = self.stepper, self.stepper.schedule
         steps: list[float] = [s.begin, s.until, s.first, s.last, s.auto] if s else []
-        table, error = attempt(functions_of_time, stepper.functions, stepper.time, stepper.next_time)
+        table, error = attempt(functions_of_time, stepper.functions, self._cpp_object.time, stepper.next_time)
         agree(self.comm, error, "functions of time")
         return {"schedule": np.array(steps, dtype=float), "functions of time": table, **self._names()}
 
