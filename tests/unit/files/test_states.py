@@ -151,3 +151,12 @@ def test_places_of_mixed_spaces():
     np.testing.assert_allclose(f.x.array[of_y], x[of_y, 1], atol=1e-14)
     pressure = W.sub(1).collapse()[1]
     np.testing.assert_allclose(f.x.array[pressure], x[pressure, 0], atol=1e-14)
+
+
+def test_submeshes_have_no_files(tmp_path):
+    """Their cells cannot be told on other ranks."""
+    domain = mesh.create_unit_square(MPI.COMM_SELF, 2, 2)
+    part = mesh.create_submesh(domain, 2, np.arange(4, dtype=np.int32))[0]
+    with pytest.raises(RuntimeError, match="which a submesh does not have"):
+        write(tmp_path / "a.h5", fem.functionspace(part, ("Lagrange", 1, (2,)))._cpp_object, State("s"))
+    assert not any(tmp_path.iterdir())
