@@ -200,6 +200,13 @@ std::size_t entries(const std::vector<std::size_t>& shape)
   return std::accumulate(shape.begin(), shape.end(), std::size_t(1), std::multiplies<>());
 }
 
+/// Whether an array does not fit beside other attributes, with some room for its name and type.
+bool is_large(const Value& value)
+{
+  const Numbers* numbers = std::get_if<Numbers>(&value);
+  return numbers && numbers->values.size() * sizeof(double) > 60000;
+}
+
 struct WrittenAttribute
 {
   hid_t file;
@@ -372,6 +379,9 @@ FileInMemory lay_out(const Attributes& attributes, Tables& tables)
     const DriverInfo info{&out};
     checked(H5Pset_driver(access, in_memory, &info), "write to memory");
     checked(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG), "make properties");
+    // Attributes of more than 64 KiB need the format of HDF5 1.8; others are in the oldest one.
+    if (std::ranges::any_of(attributes, [](const Attribute& attribute) { return is_large(attribute.value); }))
+      checked(H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_LATEST), "make properties");
     const Handle file(H5Fcreate("checkpoint", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "lay out a file");
     for (const Attribute& a : attributes)
       std::visit(WrittenAttribute{file, a.name}, a.value);
