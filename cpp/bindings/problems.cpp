@@ -432,7 +432,7 @@ void bind_explicit(nb::module_& m)
           nb::arg("observer"), "What all ranks throw, or None. Collective")
       .def(
           "saved_state", [](ExplicitProblem& self) { return saved_state(self); },
-          "What the run goes on from, beside internal variables and the schedule. Collective")
+          "What the run goes on from, beside the schedule. Collective")
       .def(
           "empty_state", [](ExplicitProblem& self) { return empty_state(self); },
           "A state of that structure, whose values do not matter")

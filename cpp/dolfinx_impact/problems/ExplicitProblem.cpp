@@ -130,16 +130,6 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
   return contacts;
 }
 
-/// Calls f(name, history) for the internal variables of each integral.
-void each_history(const ExplicitBody& body, const auto& f)
-{
-  int number = 0;
-  for (const auto& operation : {body.internal.inner, body.internal.outer})
-    for (std::size_t i = 0; i < operation->num_integrals(); ++i)
-      if (const auto& history = operation->history(i))
-        f("integral " + std::to_string(number++), *history);
-}
-
 /// Calls a function of the user after each step, all ranks together.
 class CallingObserver : public RunObserver
 {
@@ -349,99 +339,6 @@ void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();
   _stepper.start(_u->x()->array().first(owned), _v->x()->array().first(owned), observer);
-  update_motion();
-}
-
-state::State ExplicitProblem::saved_state()
-{
-  state::State out("explicit problem");
-  const auto add = [](state::State& to, std::string name, state::Place place, std::vector<double> values)
-  { to.add_own(std::move(name), place, std::move(values)); };
-  const auto& schedule = _stepper.schedule();
-  const integrators::SafeStep::Saved safe = _safe.saved();
-  out.add(_integrator->saved_state());
-  add(out, "time", state::Place::all, {_time, _stepper.next_time(), double(_step)});
-  if (schedule)
-    add(out, "schedule", state::Place::all,
-        {schedule->begin, schedule->until, double(schedule->first), double(schedule->last),
-         double(schedule->automatic)});
-  else
-    add(out, "schedule", state::Place::all, {});
-  add(out, "stable step", state::Place::all,
-      {safe.value, _stepper.nominal_step(), double(safe.check_step), double(safe.check_interval), double(safe.deformed),
-       double(_safe.changes.stale), _safe.changes.total, _safe.changes.allowed});
-  add(out, "energies", state::Place::all,
-      {double(_history.total_start().has_value()), _history.total_start().value_or(0.0), _history.largest()});
-  if (const integrators::StableStepWatch* watch = _safe.watch())
-  {
-    state::State part("watch");
-    const auto& seen = watch->seen();
-    add(part, "squares", state::Place::cell, seen.squares);
-    add(part, "rates", state::Place::cell, seen.rates);
-    add(part, "since", state::Place::cell, seen.since);
-    add(part, "reference", state::Place::node,
-        {seen.reference.begin(), seen.reference.begin() + std::ptrdiff_t(num_owned())});
-    add(part, "sensitivity", state::Place::all, {seen.sensitivity});
-    out.add(std::move(part));
-  }
-  for (std::size_t k = 0; k < _contacts.size(); ++k)
-  {
-    state::State part("contact " + std::to_string(k));
-    std::vector<state::State> directions = _contacts[k].contact.saved_states();
-    for (std::size_t d = 0; d < directions.size(); ++d)
-    {
-      directions[d].rename("direction " + std::to_string(d));
-      part.add(std::move(directions[d]));
-    }
-    out.add(std::move(part));
-  }
-  each_history(_body,
-               [&](const std::string& name, const operators::PointHistory& history)
-               {
-                 state::State part(name);
-                 for (std::size_t f = 0; f < history.num_fields(); ++f)
-                   if (history.is_history(f))
-                     add(part, history.name(f), state::Place::rank, history.values(f));
-                 out.add(std::move(part));
-               });
-  return out;
-}
-
-void ExplicitProblem::resume(const state::State& saved)
-{
-  const auto numbers = [&](const char* name) { return saved.values<double>(name); };
-  const auto copied = [](const state::State& part, const char* name)
-  {
-    const std::span<double> values = part.values<double>(name);
-    return std::vector<double>(values.begin(), values.end());
-  };
-  each_history(_body,
-               [&](const std::string& name, operators::PointHistory& history)
-               {
-                 const state::State& part = saved.part(name);
-                 for (std::size_t f = 0; f < history.num_fields(); ++f)
-                   if (history.is_history(f))
-                     history.set_values(f, part.values<double>(history.name(f)));
-               });
-  for (std::size_t k = 0; k < _contacts.size(); ++k)
-    _contacts[k].contact.resume(saved.part("contact " + std::to_string(k)).parts());
-  const auto safe = numbers("stable step"), energies = numbers("energies"), time = numbers("time"),
-             steps = numbers("schedule");
-  if (integrators::StableStepWatch* watch = _safe.watch())
-  {
-    const state::State& part = saved.part("watch");
-    watch->restore({copied(part, "squares"), copied(part, "rates"), copied(part, "since"), copied(part, "reference"),
-                    part.values<double>("sensitivity")[0]});
-  }
-  _safe.restore({safe[0], std::int64_t(safe[2]), std::int64_t(safe[3]), safe[4] != 0.0});
-  _safe.changes = {safe[5] != 0.0, safe[6], safe[7]};
-  _integrator->resume(saved.part(_integrator->empty_state().name()));
-  std::optional<integrators::StepSchedule> schedule;
-  if (!steps.empty())
-    schedule = {steps[0], steps[1], std::int64_t(steps[2]), std::int64_t(steps[3]), steps[4] != 0.0};
-  RunObserver nobody;
-  resume(time[0], std::int64_t(time[2]), time[1], safe[1], schedule, nobody);
-  _history.resume(energies[0] != 0.0 ? std::optional(energies[1]) : std::nullopt, energies[2]);
   update_motion();
 }
 

@@ -84,13 +84,6 @@ public:
   RunHistory& history() { return _history; }
   /// Displacement, velocity and acceleration as named arrays, views of the problem's functions.
   state::State state();
-  /// All that the run goes on from, values of its own: motion, contacts with their friction, internal variables, works,
-  /// what is known of the stable step. Constants, loads and functions of time are not in it. Contact is searched anew
-  /// in the next step. Collective.
-  state::State saved_state();
-  /// Go on from what `saved_state` has returned; the history begins anew. Collective.
-  /// @throws std::logic_error for the state of another problem: std::invalid_argument or std::out_of_range
-  void resume(const state::State& saved);
   /// Set displacement, velocity and acceleration to those of the present time. Collective.
   void update_motion();
   /// Compute the forces of the start, from the functions of displacement and velocity: for the first time, or because

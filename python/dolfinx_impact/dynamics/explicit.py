@@ -16,10 +16,8 @@ from ..added_mass import AddedMass
 from ..amplitude import Amplitude, PrescribedMotion
 from ..assembly import problem_arguments
 from ..assembly.body_stress import BodyStress
-from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.fields import check_inertia
-from ..assembly.history import MaterialHistory, existing
-from ..assembly.history_field import HistoryField
+from ..assembly.history import MaterialHistory
 from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
@@ -27,7 +25,7 @@ from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
-from ..common.unique import Unique, claim
+from ..common.unique import claim
 from ..common.units import Units
 from ..forms.compiler.frontend import check_kinds
 from ..foundation import Foundation
@@ -50,6 +48,7 @@ from .run_history import RunHistory
 from .stable_step import METHODS
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
 from .time_stepper import TimeStepper
+from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalResult
@@ -58,7 +57,7 @@ if TYPE_CHECKING:
     from ..statics.problem import StaticProblem
 
 
-class ExplicitProblem(Unique):
+class ExplicitProblem(TransientProblem):
     """Motion of bodies with lumped mass by central differences; docs/explicit/scheme.md has the equations.
 
     Args:
@@ -186,6 +185,8 @@ class ExplicitProblem(Unique):
         self.velocity, self.acceleration = bodies.motion_velocity, fem.Function(V, name="acceleration")
         bodies.add_damping(self.damping, self.bulk_viscosity)
         bodies.add_foundations()
+        parts = bodies.parts
+        self._material_history = None if parts is None else MaterialHistory(parts, bodies.internal.history)
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
@@ -398,16 +399,6 @@ class ExplicitProblem(Unique):
         return None if function is None else functools.partial(function, self)
 
     @property
-    def time(self) -> float:
-        """Present time [T]."""
-        return self._stepper.time
-
-    @property
-    def step(self) -> int:
-        """Number of the present step [1]."""
-        return self._stepper.step
-
-    @property
     def energy(self) -> dict[str, float]:
         """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, plastic,
         external, total [F L] and drift [1]; docs/explicit/energies.md."""
@@ -416,51 +407,6 @@ class ExplicitProblem(Unique):
     def unsolved_points(self) -> str:
         """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
         return self._bodies.internal.fault()
-
-    @property
-    def stress(self) -> HistoryField:
-        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(STRESS, self.history if self.has_history else None)
-
-    @property
-    def von_mises(self) -> HistoryField:
-        """Von Mises' equivalent stress at the quadrature points [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(VON_MISES, self.history if self.has_history else None)
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-        return self._bodies.parts is not None
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials by name, at the present time.
-
-        Raises:
-            ValueError: no material has any.
-        """
-        parts = self._bodies.parts
-        return existing(None if parts is None else MaterialHistory(parts, self._bodies.internal.history))
-
-    @property
-    def energy_history(self) -> FloatArray:
-        """Time and energies before every step, (num_steps, 10): time [T], then the energies of `energy` in its order,
-        up to external [F L]. The first row is the start of the run. Runs of more than `history_limit` steps have every
-        second, fourth, ... step."""
-        return self._history.energies
-
-    @property
-    def force_history(self) -> list[FloatArray]:
-        """Forces on the slaves at the times of `energy_history`, for each contact (num_steps, gdim) [F]."""
-        return self._history.forces
 
     @property
     def history_limit(self) -> int:

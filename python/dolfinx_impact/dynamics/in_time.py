@@ -10,7 +10,7 @@ from dolfinx.fem import DirichletBC
 
 from .. import _cpp
 from ..amplitude import Amplitude, PrescribedMotion
-from ..statics import newton
+from ..contact import in_cpp
 from .functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def implicit_contact(
     Returns:
         The C++ object, which has the master's displacement at the start.
     """
-    right = newton.contact_in_cpp(contact)
+    right = in_cpp.contact_in_cpp(contact)
     if not contact.pair.rigid:
         return _cpp.problems.ImplicitContact(right, None, None)
     master = contact.pair.rigid_master

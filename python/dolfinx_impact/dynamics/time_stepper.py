@@ -72,16 +72,6 @@ class TimeStepper:
     # --- the state of the steps ------------------------------------------------------------------------------------
 
     @property
-    def time(self) -> float:
-        """Present time [T]."""
-        return float(self._cpp_object.time)
-
-    @property
-    def step(self) -> int:
-        """Number of the present step [1]."""
-        return int(self._cpp_object.step)
-
-    @property
     def next_time(self) -> float:
         """Time of the next step; the integrator knows the functions of time up to it [T]."""
         return float(self._cpp_object.next_time)
@@ -301,7 +291,7 @@ class TimeStepper:
     def _show(self) -> None:
         last, schedule = self.history.last, self.schedule
         if last is not None and self._shown is not None and schedule is not None:
-            self._shown.show(self.step, self.time, schedule.dt, self.history.drift(last))
+            self._shown.show(self._cpp_object.step, self._cpp_object.time, schedule.dt, self.history.drift(last))
 
     def warn(self, text: str) -> None:
         """Warn of what the run has found.

@@ -17,6 +17,7 @@ from ..assembly.jit import compile_form
 from ..assembly.operators import BilinearKernels, InternalForce
 from ..materials import Material
 from .assembled_body import AssembledBody, depends_on
+from .body import Body
 
 
 class MaterialBody(AssembledBody):
@@ -81,3 +82,12 @@ class MaterialBody(AssembledBody):
                 rounds_positions=True,
             ),
         )
+
+
+def history_of(body: Body) -> MaterialHistory | None:
+    """Internal variables of bodies; None: no material has any.
+
+    Args:
+        body: the bodies.
+    """
+    return body.history if isinstance(body, MaterialBody) else None

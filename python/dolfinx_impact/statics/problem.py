@@ -15,12 +15,10 @@ from .. import _cpp
 from ..common import arguments
 from ..assembly import problem_arguments
 from ..assembly.curvature import check_curvature, is_displacement
-from ..assembly.history import MaterialHistory, existing
-from ..assembly.history_field import HistoryField
 from ..assembly.residual import check_hypothesis
 from ..assembly.residual_bodies import ResidualBodies
+from ..assembly.body_results import BodyResults
 from ..assembly.body_stress import BodyStress
-from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
 from ..assembly.quadrature_degree import warn_of_degree
@@ -29,14 +27,14 @@ from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
 from .bodies import make_body
 from .body import Body
-from .material_body import MaterialBody
+from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
-from . import newton
 from ..io.mesh_check import check_cells
 from .load_steps import Limits, Report, run_steps
 from ..common.types import BoolArray, FilePath
 from ..common.units import Units
-from ..common.unique import Unique, claim
+from ..common.unique import claim
+from ..contact import in_cpp
 from ..contact.protocol import BodyTangent
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -53,7 +51,7 @@ if TYPE_CHECKING:
 __all__ = ["Report", "StaticProblem"]
 
 
-class StaticProblem(Unique):
+class StaticProblem(BodyResults):
     """Equilibrium of bodies, in contact or not: internal virtual work and that of contact equal external virtual work.
 
     Args:
@@ -144,6 +142,7 @@ class StaticProblem(Unique):
             warn_of_degree(residual, u, hypothesis)
         self.axisymmetric = axisymmetric if material is None else material.hypothesis_on(V.mesh) == "axisymmetric"
         self.body: Body = make_body(u, material, residual, loads, bodies, tangent, evaluate, accept)
+        self._material_history = history_of(self.body)
         self.residual_form = residual
         self.solves = Solves(signs_are_checked=residual is None or not is_displacement(V))
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -155,7 +154,7 @@ class StaticProblem(Unique):
         make_room(V)
         self._cpp_object = _cpp.problems.StaticProblem(
             u._cpp_object, self.body.in_cpp(), [bc._cpp_object for bc in self.bcs],
-            [newton.contact_in_cpp(c) for c in self.contact], petsc_options(options), prefix, self.axisymmetric,
+            [in_cpp.contact_in_cpp(c) for c in self.contact], petsc_options(options), prefix, self.axisymmetric,
             LIMITS, warnings_on(V.mesh.comm),
         )  # fmt: skip
         # A load of a user's own class without `ramps` acts in full from the first increment.
@@ -169,38 +168,6 @@ class StaticProblem(Unique):
     def tangent(self) -> BodyTangent:
         """Derivative of the bodies' residual, assembled at the present u [F/L]."""
         return self.body.tangent
-
-    @property
-    def stress(self) -> HistoryField:
-        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(STRESS, self.history if self.has_history else None)
-
-    @property
-    def von_mises(self) -> HistoryField:
-        """Von Mises' equivalent stress at the quadrature points [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(VON_MISES, self.history if self.has_history else None)
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-        return isinstance(self.body, MaterialBody) and self.body.history is not None
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials by name, as they are after the last converged step.
-
-        Raises:
-            ValueError: no material has any.
-        """
-        return existing(self.body.history if isinstance(self.body, MaterialBody) else None)
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs

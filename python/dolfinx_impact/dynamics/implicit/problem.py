@@ -20,27 +20,24 @@ from ...assembly.body_forms import stiffness_damping
 from ...assembly.operators import Inputs
 from ...assembly.ffcx_form import ffcx_form
 from ...assembly.fields import check_inertia, is_mixed
-from ...assembly.history import MaterialHistory, existing
-from ...assembly.history_field import HistoryField
 from ...assembly.locking import warn_of_locking
 from ...assembly.measures import check_measures
 from ...assembly.residual import check_hypothesis, split
 from ...assembly.quadrature_degree import warn_of_degree
 from ...assembly.body_stress import BodyStress
-from ...assembly.cauchy_stress import STRESS, VON_MISES
 from ...assembly.softening import warn_of_softening
 from ...common import arguments
 from ...common.collective import agree, attempt, comm_of, guard
 from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
-from ...common.unique import Unique, claim
+from ...common.unique import claim
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
 from ...statics.bodies import external_work, make_body
-from ...statics.material_body import MaterialBody
+from ...statics.material_body import MaterialBody, history_of
 from ...statics.linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..energy_gain import release_limit
 from ..functions_of_time import FunctionsOfTime
@@ -50,6 +47,7 @@ from ..recorder import Recorder, check_arguments
 from ..in_time import implicit_contact, prescribed_motion
 from ..run_history import ENERGIES, RunHistory, total_energy
 from ..subject import in_time
+from ..transient_problem import TransientProblem
 from ..read_once import ReadOnce
 from .mass_redistribution import MassRedistribution
 from .damping import DampingForce
@@ -74,7 +72,7 @@ SMALLEST = 1e-3  # default for the smallest step, relative to the largest: ten c
 STEPS = (1e-140, 1e140)  # whose squares, times anything that physics has, are numbers [T]
 
 
-class NewmarkProblem(Unique):
+class NewmarkProblem(TransientProblem):
     """Motion of bodies by Newmark's method or generalised-alpha, in contact or not; docs/implicit/scheme.md.
 
     Args:
@@ -129,7 +127,6 @@ class NewmarkProblem(Unique):
         body: bodies without inertia.
         read: values of supports and rigid masters that the problem goes on with.
         stepper: time stepping.
-        run_history: energies and contact forces of all steps.
         inputs: constants and functions that residual and loads read.
         linear_solver: solver of the linear systems.
 
@@ -228,6 +225,7 @@ class NewmarkProblem(Unique):
         self.acceleration = fem.Function(V, name="acceleration")
         given_bodies = None if residual is None else bodies
         self.body = make_body(u, material, moving, self.loads, given_bodies, tangent, evaluate, accept)
+        self._material_history = history_of(self.body)
         # What `evaluate` sets is no value that comes late.
         self.evaluates = evaluate is not None
         self.functions = FunctionsOfTime()
@@ -272,7 +270,7 @@ class NewmarkProblem(Unique):
         self.supports = self._cpp_object.supports.parts
         self.linear_solver = LinearSolver.of(self._cpp_object.equilibrium.linear_solver)
         self.read = ReadOnce(self._cpp_object.supports, self.contact)
-        self.run_history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
+        self._history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
         self.stepper = ImplicitStepper(
             self._cpp_object, self.comm, u, self.velocity, material, self.inputs, self.read, self.evaluates
         )
@@ -365,7 +363,7 @@ class NewmarkProblem(Unique):
 
     def _take_row(self) -> None:
         """Tell recorders and `energy` of the last row of the history, which is new. Collective."""
-        last = self.run_history.last
+        last = self._history.last
         assert last is not None
         for recorder in self.stepper.recorders:
             recorder.add(np.array([last]))
@@ -393,7 +391,7 @@ class NewmarkProblem(Unique):
         """
         if values is None:
             values = dict(zip(ENERGIES, self._cpp_object.energies().tolist()))
-        self._energy = {**values, "total": total_energy(values), "drift": self.run_history.drift(values)}
+        self._energy = {**values, "total": total_energy(values), "drift": self._history.drift(values)}
 
     # --- running ---------------------------------------------------------------------------------------------------
 
@@ -486,63 +484,10 @@ class NewmarkProblem(Unique):
         self.linear_solver.warn_of_unused()
 
     @property
-    def time(self) -> float:
-        """Present time [T]."""
-        return self.stepper.time
-
-    @property
-    def step(self) -> int:
-        """Number of the present step [1]."""
-        return self.stepper.step
-
-    @property
     def energy(self) -> dict[str, float]:
         """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, plastic,
         external, total [F L] and drift [1]; docs/implicit/energies.md."""
         return dict(self._energy)
-
-    @property
-    def energy_history(self) -> FloatArray:
-        """Time and energies at the start and after every step, (num_steps + 1, 10): time [T], then the energies of
-        `energy` in its order, up to external [F L]."""
-        return self.run_history.energies
-
-    @property
-    def force_history(self) -> list[FloatArray]:
-        """Forces on the slaves at the times of `energy_history`, for each contact (num_steps + 1, gdim) [F]."""
-        return self.run_history.forces
-
-    @property
-    def stress(self) -> HistoryField:
-        """Cauchy stress at the quadrature points, components xx, yy, zz, xy and in space yz, xz [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(STRESS, self.history if self.has_history else None)
-
-    @property
-    def von_mises(self) -> HistoryField:
-        """Von Mises' equivalent stress at the quadrature points [F/L^2].
-
-        Raises:
-            ValueError: the residual is the user's own, and its stress not known.
-        """
-        return self._stress.field(VON_MISES, self.history if self.has_history else None)
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-        return isinstance(self.body, MaterialBody) and self.body.history is not None
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials by name, at the present time.
-
-        Raises:
-            ValueError: no material has any.
-        """
-        return existing(self.body.history if isinstance(self.body, MaterialBody) else None)
 
     # What a checkpoint asks of a problem in time, and implicit ones do not have.
     mass_scaling: float | None = None

@@ -95,16 +95,6 @@ class ImplicitStepper(Described):
         self._before = 0.0  # time at its start [T]
 
     @property
-    def time(self) -> float:
-        """Present time [T]."""
-        return float(self._cpp_object.time)
-
-    @property
-    def step(self) -> int:
-        """Number of the present step [1]."""
-        return int(self._cpp_object.step)
-
-    @property
     def motion(self) -> Any:
         """Motion at the present time (C++): displacement [L], velocity [L/T], acceleration and mean [L/T^2]."""
         return self._cpp_object.motion
@@ -162,8 +152,8 @@ class ImplicitStepper(Described):
         known, length = self._problem.control, limits.dt
         if known is not None and (known.largest, known.tolerance) == (limits.dt, limits.tolerance):
             length = known.length
-        expected = max(1, math.ceil((until - self.time) / length))
-        schedule = StepSchedule(self.time, until, self.step, self.step + expected)
+        expected = max(1, math.ceil((until - self._cpp_object.time) / length))
+        schedule = StepSchedule(self._cpp_object.time, until, self._cpp_object.step, self._cpp_object.step + expected)
         with (
             self.calls.running(),
             Interrupts(self.comm) as interrupts,
@@ -175,13 +165,13 @@ class ImplicitStepper(Described):
                 interrupts.check()
 
             def begins() -> None:
-                if callback and self.step == 0:
+                if callback and self._cpp_object.step == 0:
                     interrupts.check(self._called(callback))
 
             def goal() -> float:
-                self._before, self._in_step = self.time, True
+                self._before, self._in_step = self._cpp_object.time, True
                 self.inputs.store()
-                return min([until, *(r.next_time for r in self.recorders if r.next_time > self.time)])
+                return min([until, *(r.next_time for r in self.recorders if r.next_time > self._cpp_object.time)])
 
             def after_step() -> None:
                 self._in_step = False
@@ -193,7 +183,7 @@ class ImplicitStepper(Described):
                 error = self._called(callback) if callback else None
                 # Where a filter makes an error of the warning, it is that of one rank.
                 error = error or attempt(self._warn_of_late_values, callback is not None)[1]
-                bar.show(self.step, self.time, self.time - self._before, drift)
+                bar.show(self._cpp_object.step, self._cpp_object.time, self._cpp_object.time - self._before, drift)
                 interrupts.check(error)
 
             try:
@@ -251,8 +241,8 @@ class ImplicitStepper(Described):
         if called and self.comm.rank == 0 and not self._warned and self.inputs.changed():
             self._warned = True
             warnings.warn(
-                f"the callback has changed what residual or loads read, at the time {self.time:.6g}: it acts in the "
-                "step that ends later. Values that are functions of time come a step late so; set them in "
-                "advance(..., update=function of problem and time)",
+                "the callback has changed what residual or loads read, at the time "
+                f"{self._cpp_object.time:.6g}: it acts in the step that ends later. Values that are functions of time "
+                "come a step late so; set them in advance(..., update=function of problem and time)",
                 stacklevel=6,
             )
