@@ -7,6 +7,7 @@
 #include "dolfinx_impact/problems/equilibrium_start.h"
 #include "dolfinx_impact/problems/explicit_state.h"
 #include "dolfinx_impact/problems/failed_run.h"
+#include "dolfinx_impact/problems/release_limit.h"
 #include "functions_of_time.h"
 #include <nanobind/stl/optional.h>
 
@@ -22,7 +23,6 @@ using dolfinx_impact::bindings::view;
 namespace
 {
 using dolfinx_impact::enforcement::StaticContact;
-using dolfinx_impact::integrators::cell_sizes;
 using dolfinx_impact::integrators::CellFrequencies;
 using dolfinx_impact::integrators::CentralDifference;
 using dolfinx_impact::integrators::Energies;
@@ -233,9 +233,6 @@ void bind_stable_step(nb::module_& m)
       "highest_frequency", [](Mat stiffness, Values inverse_mass)
       { return dolfinx_impact::integrators::highest_frequency(stiffness, view(inverse_mass)); }, nb::arg("stiffness"),
       nb::arg("inverse_mass"), "Of a matrix, which is scaled by the lumped mass. Collective [1/T]");
-  m.def(
-      "cell_sizes", [](const dolfinx::mesh::Mesh<double>& mesh) { return take(cell_sizes(mesh)); }, nb::arg("mesh"),
-      nb::rv_policy::move, "Shortest edge between vertices of each owned cell [L]");
   nb::class_<CellFrequencies>(m, "CellFrequencies", "Highest frequencies of the cells of bodies, and their damping")
       .def(
           "__init__",
@@ -469,8 +466,10 @@ void bind_explicit(nb::module_& m)
       },
       nb::arg("problem"), nb::arg("equilibrium"), nb::arg("observer"),
       "Begin from an equilibrium with contact; what all ranks throw, or None. Collective");
+  m.def(
+      "release_limit", [](const FunctionSpace& V, Values stiffness) { return release_limit(V, view(stiffness)); },
+      nb::arg("V"), nb::arg("stiffness"), "Energy that a residual of one's own may give. Collective [F L]");
   m.def("released_message", &released_message, nb::arg("released"), nb::arg("limit"), nb::arg("go_on"));
-  m.attr("start_strain") = start_strain;
 }
 } // namespace
 

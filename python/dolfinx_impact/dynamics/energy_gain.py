@@ -6,41 +6,30 @@ from collections.abc import Iterable
 
 import numpy as np
 from dolfinx import fem
-from mpi4py import MPI
 
 from .. import _cpp
-from ..assembly.curvature import is_displacement
 from ..common.types import FloatArray
 
 # Gain relative to the energies so far at which a run warns and at which it stops. A correct run with contact gains less
 # than 0.01.
 LIMITS = (0.1, 0.5)
-STRAIN: float = _cpp.problems.start_strain  # that bodies may have at the start, a residual does not tell their energy
-
 # Kinetic energy over all energy put in, beyond which a run grows.
 GROWTH: float = _cpp.integrators.largest_growth
 
 
-def release_limit(V: fem.FunctionSpace, stiffness: FloatArray, sizes: FloatArray) -> float:
+def release_limit(V: fem.FunctionSpace, stiffness: FloatArray) -> float:
     """Energy that a residual of the user's own may give, beside that of the displacement at the start: what its bodies
-    store when all their cells are strained by about STRAIN. Collective.
+    store when all their cells are strained by about a tenth. Collective.
 
     Args:
         V: displacement space; of others nothing is known.
         stiffness: of owned degrees of freedom: mass times the square of the highest frequency, or the diagonal of the
             stiffness matrix [F/L].
-        sizes: sizes of owned cells [L].
 
     Returns:
-        Half the sum of k (STRAIN h)^2 over nodes; infinite if the space is none of displacements, or bodies have no
-        stiffness [F L].
+        The energy; infinite if the space is none of displacements, or bodies have no stiffness [F L].
     """
-    total, squares, count = V.mesh.comm.allreduce(
-        np.array([float(stiffness.sum()), float(np.sum(sizes**2)), float(len(sizes))]), MPI.SUM
-    )
-    if not is_displacement(V) or not 0.0 < total < math.inf:
-        return math.inf
-    return float(0.5 * total / V.mesh.geometry.dim * STRAIN**2 * squares / count)
+    return float(_cpp.problems.release_limit(V._cpp_object, np.ascontiguousarray(stiffness)))
 
 
 def released_message(released: float, limit: float, go_on: str) -> str:

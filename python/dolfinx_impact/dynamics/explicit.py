@@ -45,7 +45,7 @@ from .read_once import ReadOnce
 from .recorder import Recorder, check_arguments
 from .restart import Restart
 from .run_history import RunHistory
-from .stable_step import METHODS, cell_sizes
+from .stable_step import METHODS
 from .start_values import check_velocity, residual_bodies, velocity_or_rest
 from .time_stepper import TimeStepper
 from .transient_problem import TransientProblem
@@ -216,7 +216,7 @@ class ExplicitProblem(TransientProblem):
         )  # fmt: skip
         if residual is not None:
             stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / safe.value) ** 2
-            integrator.release_limit = energy_gain.release_limit(V, stiffness_of_mass, cell_sizes(mesh))
+            integrator.release_limit = energy_gain.release_limit(V, stiffness_of_mass)
         self._restart = Restart(self, self._stepper)
         self._stepper.start()
         _cpp.integrators.release_memory()

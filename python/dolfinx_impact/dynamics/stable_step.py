@@ -8,7 +8,6 @@ from typing import TypeAlias
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.mesh import Mesh
 from mpi4py import MPI
 from ufl.algorithms import extract_coefficients
 
@@ -23,19 +22,6 @@ from ..common.types import BoolArray, FloatArray, IntArray
 METHODS = tuple(_cpp.problems.StableStepMethod.__members__)
 
 CellMasses: TypeAlias = list[tuple[IntArray, FloatArray]]  # of lumped_mass.cell_masses
-
-
-def cell_sizes(mesh: Mesh) -> FloatArray:
-    """Shortest edge between vertices of each owned cell.
-
-    Args:
-        mesh: mesh of the body.
-
-    Returns:
-        Lengths, (num_cells) [L].
-    """
-    sizes: FloatArray = _cpp.problems.cell_sizes(mesh._cpp_object)
-    return sizes
 
 
 class Frequencies:

@@ -46,7 +46,6 @@ from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
 from ..in_time import implicit_contact, prescribed_motion
 from ..run_history import ENERGIES, RunHistory, total_energy
-from ..stable_step import cell_sizes
 from ..subject import in_time
 from ..transient_problem import TransientProblem
 from ..read_once import ReadOnce
@@ -344,7 +343,7 @@ class NewmarkProblem(TransientProblem):
         K = self.tangent.assemble()
         check_curvature(K, ~self.fixed[: self.num_owned])
         diagonal = K.getDiagonal()
-        limit = release_limit(self.space, diagonal.array_r, cell_sizes(self.space.mesh))
+        limit = release_limit(self.space, diagonal.array_r)
         diagonal.destroy()
         work = 0.5 * float(self.stepper.account.forces.internal @ self.stepper.motion.displacement)
         return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
