@@ -21,7 +21,7 @@ constexpr double least_own = 1e-10;
 
 typedef std::map<std::int64_t, double> SparseRow; ///< by degree of freedom of all ranks
 
-double dot(const SparseRow& a, const SparseRow& b)
+double product_of(const SparseRow& a, const SparseRow& b)
 {
   double sum = 0.0;
   for (const auto& [dof, value] : a)
@@ -201,14 +201,14 @@ std::vector<std::vector<std::int8_t>> SaddlePoint::independent(std::span<const C
       for (std::int64_t k = p.pointers[one.i]; k < p.pointers[one.i + 1]; ++k)
         for (int a = 0; a < g; ++a)
           enter(g * p.columns[k] + a, -p.values[k] * p.over[(one.i * g + a) * g + one.d]);
-      const double whole = dot(row, row);
+      const double whole = product_of(row, row);
       for (const SparseRow& other : basis)
       {
-        const double along = dot(row, other);
+        const double along = product_of(row, other);
         for (const auto& [dof, value] : other)
           row[dof] -= along * value;
       }
-      const double own = dot(row, row);
+      const double own = product_of(row, row);
       if (own > least_own * whole && own > 0.0)
       {
         for (auto& [dof, value] : row)
