@@ -94,9 +94,9 @@ def rng(request, seed):
 def contacts_in_python(monkeypatch):
     """Newton's method calls the methods of contacts in Python, where a test may have replaced them."""
     from dolfinx_impact import _cpp
-    from dolfinx_impact.statics import newton
+    from dolfinx_impact.contact import in_cpp
 
-    monkeypatch.setattr(newton, "contact_in_cpp", _cpp.solve.PythonContact)
+    monkeypatch.setattr(in_cpp, "contact_in_cpp", _cpp.solve.PythonContact)
 
 
 @pytest.fixture(autouse=True)

@@ -17,6 +17,8 @@ NB_MODULE(_cpp, m)
         "DOLFINx was built with: pip install --no-build-isolation --force-reinstall .");
   nb::module_ state = m.def_submodule("state", "State as named arrays");
   dolfinx_impact::bindings::state(state);
+  nb::module_ files = m.def_submodule("files", "Files of states that runs go on from");
+  dolfinx_impact::bindings::files(files);
   nb::module_ kernels = m.def_submodule("kernels", "Kernels generated from UFL forms");
   dolfinx_impact::bindings::kernels(kernels);
   nb::module_ operators = m.def_submodule("operators", "Kernels applied over the cells of a mesh");

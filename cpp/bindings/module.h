@@ -14,6 +14,7 @@
 namespace dolfinx_impact::bindings
 {
 void state(nanobind::module_& m);
+void files(nanobind::module_& m);
 void kernels(nanobind::module_& m);
 void operators(nanobind::module_& m);
 void surface(nanobind::module_& m);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "dolfinx_impact/enforcement/mortar/MortarContact.h"
-#include "dolfinx_impact/enforcement/mortar/shared_nodes.h"
 #include "masks.h"
 #include <caster_petsc.h>
 #include <nanobind/stl/optional.h>
@@ -175,7 +174,4 @@ void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
       .def_prop_ro("nodal_stiffness", [](const Contact& c) { return array(c.nodal_stiffness()); }, "(n) [F/L]");
   bind_state(c);
   bind_linear_problems(c);
-  m.def(
-      "connect", [](const std::vector<Contact*>& contacts) { return connect(contacts); }, nb::arg("contacts"),
-      "Join the nodes that contacts share; are multipliers to be kept in the system? Collective");
 }

@@ -84,33 +84,12 @@ nb::dict energies(const ContactEnergy& e)
   return out;
 }
 
-/// Numbers of nodes are global.
-nb::dict springs(NodePenalty& self, const Halo& halo, const Values& u)
-{
-  const std::size_t gdim = self.candidates().gdim();
-  NodalSprings s = self.springs_at(over(halo, u, int(gdim), "u"));
-  const auto global = [&](const std::vector<std::int32_t>& nodes)
-  {
-    std::vector<std::int64_t> numbers(nodes.size());
-    halo.map().local_to_global(nodes, numbers);
-    return numbers;
-  };
-  const std::size_t n = s.nodes.size(), masters = s.num_masters;
-  nb::dict out;
-  out["nodes"] = take(global(s.nodes));
-  out["masters"] = copy(global(s.masters), {n, masters});
-  out["phi"] = copy(s.phi, {n, masters});
-  out["normal"] = copy(s.normal, {n, gdim});
-  out["stiffness"] = take(std::move(s.stiffness));
-  return out;
-}
-
 template <typename Master>
 void construct_penalty(NodePenalty* self, const FunctionSpace& V, const Facets& slave, const Master& master,
                        double friction, double penalty, double kappa, double share, double search_distance,
-                       bool axisymmetric)
+                       bool axisymmetric, bool by_step)
 {
-  new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, share});
+  new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, share, by_step});
 }
 
 template <typename Master>
@@ -210,11 +189,11 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def("__init__", &construct_penalty<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
            nb::arg("share") = p.share, nb::arg("search_distance") = p.search_distance,
-           nb::arg("axisymmetric") = p.axisymmetric)
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step)
       .def("__init__", &construct_penalty<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
            nb::arg("share") = p.share, nb::arg("search_distance") = p.search_distance,
-           nb::arg("axisymmetric") = p.axisymmetric)
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step)
       .def(
           "add_forces",
           [](NodePenalty& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt, MutableValues f,
@@ -228,19 +207,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           },
           nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"),
           nb::arg("f").noconvert(), nb::arg("times") = 1,
-          "Add the forces to f (a view is changed); several times for timing")
-      .def("springs", &springs, nb::arg("halo"), nb::arg("u"),
-           "Springs of given stiffness in a configuration, instead of a step")
-      .def(
-          "set_nodal_compliances",
-          [](NodePenalty& self, Values slave, Values master)
-          {
-            self.set_nodal_compliances(
-                {{slave.data(), slave.data() + slave.size()}, {master.data(), master.data() + master.size()}});
-          },
-          nb::arg("slave"), nb::arg("master"),
-          "Reciprocals of the nodal stiffness of both surfaces by owned node, zero where none is known; before "
-          "`number`");
+          "Add the forces to f (a view is changed); several times for timing");
 
   const KinematicContactOptions k;
   nb::class_<KinematicContact, NodeToSurface>(m, "KinematicContact", "Forces that correct a predicted step")
@@ -289,18 +256,13 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
   m.def(
       "balanced_penalty",
       [](const FunctionSpace& V, const Facets& slave, const Facets& master, double friction, double penalty,
-         double kappa, double search_distance, bool axisymmetric, Values slave_compliances, Values master_compliances)
+         double kappa, double search_distance, bool axisymmetric, bool by_step)
       {
-        NodalCompliances known;
-        if (slave_compliances.is_valid() && master_compliances.is_valid())
-          known = {{slave_compliances.data(), slave_compliances.data() + slave_compliances.size()},
-                   {master_compliances.data(), master_compliances.data() + master_compliances.size()}};
-        return balanced_penalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa}, known);
+        return balanced_penalty(V, slave, master,
+                                {{friction, search_distance, axisymmetric}, penalty, kappa, 1.0, by_step});
       },
       nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("friction") = p.friction,
       nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa, nb::arg("search_distance") = p.search_distance,
-      nb::arg("axisymmetric") = p.axisymmetric, nb::arg("slave_compliances").none() = nb::none(),
-      nb::arg("master_compliances").none() = nb::none(),
-      "Both directions of contact by penalty, each with half of the stiffness; compliances as `set_nodal_compliances` "
-      "takes them, or None for both. Collective");
+      nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step,
+      "Both directions of contact by penalty, each with half of the stiffness. Collective");
 }

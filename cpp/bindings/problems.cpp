@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/common/OnAllRanks.h"
+#include "dolfinx_impact/integrators/assembled_step.h"
 #include "dolfinx_impact/problems/ExplicitProblem.h"
+#include "dolfinx_impact/problems/SpringStart.h"
+#include "dolfinx_impact/problems/equilibrium_start.h"
 #include "dolfinx_impact/problems/explicit_state.h"
 #include "dolfinx_impact/problems/failed_run.h"
 #include "functions_of_time.h"
@@ -18,6 +21,7 @@ using dolfinx_impact::bindings::view;
 
 namespace
 {
+using dolfinx_impact::enforcement::StaticContact;
 using dolfinx_impact::integrators::cell_sizes;
 using dolfinx_impact::integrators::CellFrequencies;
 using dolfinx_impact::integrators::CentralDifference;
@@ -76,12 +80,6 @@ public:
     const nb::gil_scoped_acquire lock;
     const auto found = nb::cast<Values>(_observer.attr("table")(copy_of(times)));
     return std::vector<double>(found.data(), found.data() + found.size());
-  }
-  bool check_start() override
-  {
-    const nb::gil_scoped_acquire lock;
-    _observer.attr("check_start")();
-    return true;
   }
   std::optional<std::string> unsolved() override
   {
@@ -180,6 +178,25 @@ void bind_history(nb::module_& m)
       .def_prop_rw("limit", &RunHistory::limit, &RunHistory::set_limit);
 }
 
+/// A function of Python that C++ objects keep: the last one may let go of it where Python's lock is not held.
+std::shared_ptr<nb::object> shared(nb::object function)
+{
+  return {new nb::object(std::move(function)), [](nb::object* p)
+          {
+            const nb::gil_scoped_acquire lock;
+            delete p;
+          }};
+}
+
+ExplicitBody::Assemble assembled(nb::object function)
+{
+  return [kept = shared(std::move(function))]
+  {
+    const nb::gil_scoped_acquire lock;
+    return nb::cast<std::shared_ptr<dolfinx_impact::operators::KernelTangent>>((*kept)());
+  };
+}
+
 void bind_stable_step(nb::module_& m)
 {
   nb::class_<StepSchedule>(m, "StepSchedule", "Equal steps between two times, numbered as the steps of the run")
@@ -208,8 +225,14 @@ void bind_stable_step(nb::module_& m)
       .def_ro("beta", &UniformDamping::beta)
       .def_ro("viscosity", &UniformDamping::viscosity)
       .def("rate", &UniformDamping::rate, nb::arg("square"), "Eigenvalue of the damping over the mass [1/T]");
-  m.def("stable_step", &dolfinx_impact::integrators::stable_step, nb::arg("square"), nb::arg("rate"),
-        nb::arg("uniform"), nb::arg("scheme"), "Stable step of a mode with damping; seed (3.78), corrected [T]");
+  nb::enum_<StableStepMethod>(m, "StableStepMethod", "How the stable step is found")
+      .value("length", StableStepMethod::length)
+      .value("element", StableStepMethod::element)
+      .value("eigenvalue", StableStepMethod::eigenvalue);
+  m.def(
+      "highest_frequency", [](Mat stiffness, Values inverse_mass)
+      { return dolfinx_impact::integrators::highest_frequency(stiffness, view(inverse_mass)); }, nb::arg("stiffness"),
+      nb::arg("inverse_mass"), "Of a matrix, which is scaled by the lumped mass. Collective [1/T]");
   m.def(
       "cell_sizes", [](const dolfinx::mesh::Mesh<double>& mesh) { return take(cell_sizes(mesh)); }, nb::arg("mesh"),
       nb::rv_policy::move, "Shortest edge between vertices of each owned cell [L]");
@@ -220,13 +243,7 @@ void bind_stable_step(nb::module_& m)
              std::shared_ptr<dolfinx_impact::operators::CellBounds> stiffness,
              std::shared_ptr<dolfinx_impact::operators::CellBounds> damping, nb::object masses)
           {
-            // The last one that has the function may let go of it where Python's lock is not held.
-            const std::shared_ptr<nb::object> function(new nb::object(std::move(masses)),
-                                                       [](nb::object* p)
-                                                       {
-                                                         const nb::gil_scoped_acquire lock;
-                                                         delete p;
-                                                       });
+            const auto function = shared(std::move(masses));
             new (self) CellFrequencies(std::move(V), std::move(stiffness), std::move(damping),
                                        [function]
                                        {
@@ -254,11 +271,6 @@ void bind_stable_step(nb::module_& m)
             return nb::make_tuple(take(std::move(found.squares)), take(std::move(found.rates)));
           },
           nb::arg("only") = nb::none(), "Squares of frequencies, and damping over mass. Collective")
-      .def(
-          "nodal_stiffness",
-          [](CellFrequencies& self, const nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>& nodes)
-          { return take(self.nodal_stiffness(std::vector<std::int8_t>(nodes.data(), nodes.data() + nodes.size()))); },
-          nb::arg("nodes"), nb::rv_policy::move, "The displacement must be zero. Collective")
       .def("scale_mass", &CellFrequencies::scale_mass, nb::arg("dt"), "Added mass. Collective")
       .def_prop_ro("num_looks", &CellFrequencies::num_looks)
       .def_prop_ro("num_cells_looked_at", &CellFrequencies::num_cells_looked_at);
@@ -323,9 +335,9 @@ void bind_supports(nb::module_& m)
       .def(
           "__init__",
           [](ContactInTime* self, const dolfinx_impact::enforcement::NodalPair& contact, std::string name,
-             const std::optional<Values>& start, double spring_frequency)
-          { new (self) ContactInTime{contact, std::move(name), from_table(start), spring_frequency}; },
-          nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("spring_frequency"));
+             const std::optional<Values>& start)
+          { new (self) ContactInTime{contact, std::move(name), from_table(start)}; },
+          nb::arg("contact"), nb::arg("name"), nb::arg("start").none());
 }
 
 void bind_explicit(nb::module_& m)
@@ -349,7 +361,24 @@ void bind_explicit(nb::module_& m)
           nb::arg("watched"), nb::arg("periodic"), nb::arg("flows"))
       .def(
           "add_term", [](ExplicitBody& self, FormForces forces, WorkKind kind)
-          { self.terms.push_back({std::move(forces), kind}); }, nb::arg("forces"), nb::arg("kind"));
+          { self.terms.push_back({std::move(forces), kind}); }, nb::arg("forces"), nb::arg("kind"))
+      .def(
+          "set_matrices",
+          [](ExplicitBody& self, nb::object stiffness, const std::optional<nb::object>& cell_damping)
+          {
+            self.stiffness = assembled(std::move(stiffness));
+            self.cell_damping = cell_damping ? assembled(*cell_damping) : nullptr;
+          },
+          nb::arg("stiffness"), nb::arg("cell_damping").none(),
+          "Functions that assemble new matrices; they must not know the problem")
+      .def(
+          "set_elasticity",
+          [](ExplicitBody& self, Values moduli, Values wave_speeds)
+          {
+            self.elasticity = {{moduli.data(), moduli.data() + moduli.size()},
+                               {wave_speeds.data(), wave_speeds.data() + wave_speeds.size()}};
+          },
+          nb::arg("moduli"), nb::arg("wave_speeds"), "Of each owned cell");
   nb::class_<ExplicitProblem>(m, "ExplicitProblem", "Motion of bodies with lumped mass by central differences")
       .def(
           "__init__",
@@ -384,7 +413,8 @@ void bind_explicit(nb::module_& m)
       .def("update_motion", &ExplicitProblem::update_motion,
            "Functions of displacement, velocity and acceleration get the present motion. Collective")
       .def("update_gaps", [](ExplicitProblem& self) { self.integrator().update_gaps(); })
-      .def("stable_step", &ExplicitProblem::stable_step, "Collective")
+      .def("stable_step", &ExplicitProblem::stable_step_of_function, nb::arg("method"),
+           "Of the displacement that the function has. Collective")
       .def(
           "start",
           [](ExplicitProblem& self, nb::object observer)
@@ -405,7 +435,7 @@ void bind_explicit(nb::module_& m)
           nb::arg("observer"), "What all ranks throw, or None. Collective")
       .def(
           "saved_state", [](ExplicitProblem& self) { return saved_state(self); },
-          "What the run goes on from, beside internal variables and the schedule. Collective")
+          "What the run goes on from, beside the schedule. Collective")
       .def(
           "empty_state", [](ExplicitProblem& self) { return empty_state(self); },
           "A state of that structure, whose values do not matter")
@@ -419,6 +449,26 @@ void bind_explicit(nb::module_& m)
           },
           nb::arg("saved"), nb::arg("schedule").none(), nb::arg("observer"),
           "Go on from what saved_state has returned. Collective");
+  nb::class_<SpringStart>(m, "SpringStart",
+                          "Springs of an explicit contact that bear what a contact in equilibrium does")
+      .def(nb::init<std::shared_ptr<const StaticContact>, ExplicitProblem&, std::size_t, bool>(), nb::arg("steady"),
+           nb::arg("problem"), nb::arg("contact"), nb::arg("supports_move"), nb::keep_alive<1, 3>(), "Collective")
+      .def("approach", &SpringStart::approach,
+           "How far the slave body must be moved against the normal for the springs to bear the force. Collective [L]")
+      .def(
+          "move",
+          [](const SpringStart& self, MutableValues u, double distance) { self.move({u.data(), u.size()}, distance); },
+          nb::arg("u").noconvert(), nb::arg("distance"), "Move the slave body against the normal (a view is changed)")
+      .def("hand_over", &SpringStart::hand_over, "Give the springs the nodal forces of the equilibrium. Collective");
+  m.def(
+      "start_from_equilibrium",
+      [](ExplicitProblem& problem, const dolfinx_impact::solve::EquilibriumProblem& equilibrium, nb::object observer)
+      {
+        PythonObserver told(std::move(observer));
+        return all_ranks([&] { start_from_equilibrium(problem, equilibrium, told); });
+      },
+      nb::arg("problem"), nb::arg("equilibrium"), nb::arg("observer"),
+      "Begin from an equilibrium with contact; what all ranks throw, or None. Collective");
   m.def("released_message", &released_message, nb::arg("released"), nb::arg("limit"), nb::arg("go_on"));
   m.attr("start_strain") = start_strain;
 }

@@ -9,7 +9,6 @@
 #include "dolfinx_impact/solve/LoadSteps.h"
 #include "dolfinx_impact/solve/Newton.h"
 #include "dolfinx_impact/solve/eigenvalues.h"
-#include "dolfinx_impact/solve/equilibrium.h"
 #include "dolfinx_impact/solve/unconstrained_modes.h"
 #include "petsc_objects.h"
 #include <algorithm>
@@ -159,15 +158,6 @@ void bind_increment(nb::module_& m)
           [](Increment& self, const std::vector<bool>& closed) { self.closed.assign(closed.begin(), closed.end()); });
 }
 
-/// NumPy mask with a copy of a vector.
-nb::object mask_of(const std::vector<std::int8_t>& values)
-{
-  auto* out = new bool[values.size()];
-  std::copy(values.begin(), values.end(), out);
-  const nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
-  return nb::cast(nb::ndarray<nb::numpy, bool, nb::ndim<1>>(out, {values.size()}, owner));
-}
-
 std::vector<double> copy_of(const Values& values)
 {
   return {values.data(), values.data() + values.size()};
@@ -269,19 +259,6 @@ void bind_newton(nb::module_& m)
           nb::arg("residual"), nb::arg("tangent"), nb::arg("fault").none(), nb::arg("accept_step").none(),
           nb::arg("origin").none(), nb::arg("stored_energy").none(), nb::arg("properties"));
   nb::class_<EquilibriumProblem>(m, "EquilibriumProblem", "Bodies and contacts in equilibrium")
-      .def(
-          "__init__",
-          [](EquilibriumProblem* self, std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_ptr<Body> body,
-             std::vector<std::shared_ptr<StaticContact>> contacts, Mask fixed,
-             std::shared_ptr<LinearSolver> linear_solver, bool axisymmetric, bool keeps_multipliers, bool exact_tangent,
-             std::vector<std::vector<std::int32_t>> fields)
-          {
-            new (self) EquilibriumProblem{
-                std::move(u), std::move(body),   std::move(contacts), bytes(fixed),     std::move(linear_solver),
-                axisymmetric, keeps_multipliers, exact_tangent,       std::move(fields)};
-          },
-          nb::arg("u"), nb::arg("body"), nb::arg("contacts"), nb::arg("fixed"), nb::arg("linear_solver"),
-          nb::arg("axisymmetric"), nb::arg("keeps_multipliers"), nb::arg("exact_tangent"), nb::arg("fields"))
       .def("__repr__",
            [](const EquilibriumProblem& self)
            {
@@ -291,11 +268,7 @@ void bind_newton(nb::module_& m)
                     std::to_string(self.contacts.size()) + " contacts)";
            })
       .def_prop_ro("body", [](const EquilibriumProblem& self) { return self.body; })
-      .def_prop_ro("linear_solver", [](const EquilibriumProblem& self) { return self.linear_solver; })
-      .def_prop_ro("fixed", [](const EquilibriumProblem& self) { return mask_of(self.fixed); })
-      .def_ro("fields", &EquilibriumProblem::fields)
-      .def_ro("keeps_multipliers", &EquilibriumProblem::keeps_multipliers)
-      .def_ro("exact_tangent", &EquilibriumProblem::exact_tangent);
+      .def_prop_ro("linear_solver", [](const EquilibriumProblem& self) { return self.linear_solver; });
   nb::class_<NewtonOptions>(m, "NewtonOptions", "Tolerances and limits of Newton's method")
       .def(nb::init<>())
       .def_rw("rtol", &NewtonOptions::rtol)
@@ -321,33 +294,7 @@ void bind_newton(nb::module_& m)
           },
           nb::arg("target"), nb::arg("log"), nb::arg("progress"), nb::arg("iteration"),
           "Solve from the present displacements to prescribed values. Collective")
-      .def(
-          "solve_linearised",
-          [](Newton& self, Mat K, Values residual, Values jump, double rtol)
-          {
-            const auto found = self.solve_linearised(K, copy_of(residual), view(jump), rtol);
-            return found.fault;
-          },
-          nb::arg("K"), nb::arg("residual"), nb::arg("jump"), nb::arg("rtol"),
-          "Solve the linearised problem; returns what is wrong, or an empty text. Collective")
-      .def("unconstrained_modes", &Newton::unconstrained_modes, nb::arg("K"), "In words. Collective")
-      .def("tangent_force", &Newton::tangent_force, nb::arg("K"), "Norm of tangent times displacement. Collective")
-      .def("round_off", &Newton::round_off, nb::arg("K"), "Norm of the round-off in the residual. Collective")
-      .def(
-          "fields_balance", [](Newton& self, Mat K, Values residual) { return self.fields_balance(K, view(residual)); },
-          nb::arg("K"), nb::arg("residual"), "Whether the equation of each field holds. Collective")
-      .def(
-          "norm", [](const Newton& self, Values values) { return self.norm(view(values)); }, nb::arg("values"),
-          "Norm over all ranks. Collective")
-      .def_prop_ro(
-          "prescribed", [](const Newton& self)
-          { return take(std::vector<std::int32_t>(self.prescribed().begin(), self.prescribed().end())); },
-          nb::rv_policy::move)
-      .def_prop_ro("has_multipliers", &Newton::has_multipliers)
-      .def_prop_rw(
-          "seconds", [](const Newton& self) { return by_part(self.seconds); },
-          [](Newton& self, const std::map<std::string, double>& seconds)
-          { self.seconds = {seconds.at("bodies"), seconds.at("contact"), seconds.at("linear")}; });
+      .def_prop_ro("seconds", [](const Newton& self) { return by_part(self.seconds); });
   nb::class_<IncrementSolver>(m, "IncrementSolver", "Solves increments by the SNES that PETSc's options choose")
       .def(
           "__init__",
@@ -371,19 +318,6 @@ void bind_newton(nb::module_& m)
       .def("forget", &IncrementSolver::forget, "Forget what was kept from earlier increments. Collective")
       .def("free", &IncrementSolver::free, "Give back the memory of PETSc's objects. Collective")
       .def("tell_nobody", &IncrementSolver::tell_nobody, "Forget the functions that are told");
-  m.def(
-      "open_contacts", [](const EquilibriumProblem& problem, const std::vector<bool>& closed)
-      { return open_contacts(problem, std::vector<std::int8_t>(closed.begin(), closed.end())); }, nb::arg("problem"),
-      nb::arg("closed"), "Contacts that were closed and are open now, in words. Collective");
-  m.def(
-      "out_of_balance",
-      [](const EquilibriumProblem& problem, Values bodies, double tolerance) -> std::optional<std::string>
-      {
-        const auto found = out_of_balance(problem, view(bodies), tolerance);
-        return found ? std::optional(found->text) : std::nullopt;
-      },
-      nb::arg("problem"), nb::arg("bodies"), nb::arg("tolerance"),
-      "What is missing to equilibrium, in words; None if nothing is. Collective");
 }
 
 void bind_load_steps(nb::module_& m)

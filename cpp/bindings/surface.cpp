@@ -117,19 +117,6 @@ void dolfinx_impact::bindings::surface(nb::module_& m)
       [](const FunctionSpace& V, Indices facets) { return make_surface(V, {facets.data(), facets.size()}); },
       nb::arg("V"), nb::arg("facets"), "This rank's facets of a surface; nodes number the blocks of V's dofmap");
   m.def(
-      "nodal_sums",
-      [](const Facets& facets, bool axisymmetric, Values factors, std::size_t num_nodes)
-      {
-        for (std::int32_t node : facets.nodes)
-          if (std::size_t(node) >= num_nodes)
-            throw std::invalid_argument("the sums are fewer than the surface's nodes");
-        std::vector<double> sums(num_nodes, 0.0);
-        add_nodal_areas(flat(facets), axisymmetric, sums, {factors.data(), factors.size()});
-        return take(std::move(sums));
-      },
-      nb::arg("facets"), nb::arg("axisymmetric"), nb::arg("factors"), nb::arg("num_nodes"),
-      "Nodal areas of this rank's flat facets, each times the facet's factor");
-  m.def(
       "make_smooth", [](const FunctionSpace& V, const Facets& facets, double crease, Values normals)
       { return make_smooth(V, facets, {crease, {normals.data(), normals.size()}}); }, nb::arg("V"), nb::arg("facets"),
       nb::arg("crease"), nb::arg("normals"),

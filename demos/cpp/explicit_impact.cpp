@@ -44,8 +44,7 @@ bool run()
                                                     return marked;
                                                   });
   const gap::Rigid wall{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {1, 0, 0}};
-  auto contact = std::make_shared<enforcement::NodePenalty>(*V, surface::make_surface(*V, end), wall,
-                                                            enforcement::NodePenaltyOptions{});
+  auto contact = std::make_shared<enforcement::NodePenalty>(*V, surface::make_surface(*V, end), wall);
 
   const problems::KernelMaterial steel{"linear_elastic", {{"E", {E}}, {"nu", {0.0}}}, "plane_strain"};
   problems::ExplicitProblem bar(u, v, problems::explicit_body(u, {{steel, density}}), {}, {}, {{contact, "wall"}});

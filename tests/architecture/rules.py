@@ -9,8 +9,8 @@ import subprocess
 import sys
 
 STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "solve", "integrators", "problems")
-# What no stage is: small tools, and the state as data, which every stage may describe its own in.
-BELOW = ("common", "state")
+# What no stage is: small tools; the state as data, which every stage may describe its own in; files of states.
+BELOW = ("common", "state", "files")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
 ROOMS = {"search": (".", "closest_point", "node_tracker")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.

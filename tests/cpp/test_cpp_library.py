@@ -154,6 +154,39 @@ def test_library(checks, ranks):
     assert output.count("passed") == ranks
 
 
+def told(checks, ranks, mode, folder):
+    """What checkpoint_check says of each problem, the same on all ranks."""
+    program = ["mpirun", "-n", ranks] if ranks > 1 else []
+    lines = re.findall(r"^(\d+) (\w+): (.*)$", run([*program, checks / "checkpoint_check", mode, folder]), re.M)
+    of = [[(name, text) for rank, name, text in lines if int(rank) == r] for r in range(ranks)]
+    assert of[0] and all(sorted(said) == sorted(of[0]) for said in of)
+    return of[0]
+
+
+@pytest.mark.mpi
+def test_problems_go_on_from_their_files_on_other_ranks(checks, tmp_path):
+    """To 1e-8 of the norm of the displacements: sums of other ranks differ in their last digits, Newton's method stops
+    at 1e-10. A file of another mesh or identity is refused, and one with a byte that differs."""
+    ends = dict(told(checks, 2, "write", tmp_path))
+    assert sorted(ends) == ["explicit", "implicit", "static"]
+    for ranks in (1, 3):
+        for name, text in told(checks, ranks, "read", tmp_path):
+            assert abs(float(text) / float(ends[name]) - 1.0) < 1e-8, (name, text, ends[name])
+    others = told(checks, 1, "other", tmp_path)
+    for name, text in others:
+        assert "is of another problem: num_cells is 24, here 30" in text or "steel is 1.0, here 2.0" in text, (
+            name,
+            text,
+        )
+    assert len(others) == 6 and sum("steel" in text for _, text in others) == 3
+    for name in ends:
+        data = bytearray((tmp_path / f"{name}.h5").read_bytes())
+        data[len(data) // 2] ^= 1
+        (tmp_path / f"{name}.h5").write_bytes(data)
+    for name, text in told(checks, 2, "read", tmp_path):
+        assert "cannot be read (rank" in text and "is damaged" in text, (name, text)
+
+
 def test_units(checks):
     """Classes of the library, each alone (Catch2)."""
     assert "All tests passed" in run([checks / "unit_tests"])

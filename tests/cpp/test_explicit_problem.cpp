@@ -10,8 +10,11 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
 #include <dolfinx_impact/problems/ExplicitProblem.h>
+#include <dolfinx_impact/problems/StaticProblem.h>
+#include <dolfinx_impact/problems/equilibrium_start.h>
 #include <dolfinx_impact/problems/explicit_body.h>
 #include <dolfinx_impact/problems/explicit_state.h>
 #include <dolfinx_impact/surface/Surface.h>
@@ -154,7 +157,8 @@ TEST_CASE("a run goes on from a state that was saved as if nothing had been")
       *square.V, surface::make_surface(*square.V, facets), floor, enforcement::NodePenaltyOptions{{.friction = 0.3}});
   problems::ExplicitProblem problem(square.u, square.v, square.body({.alpha = 0.1}), {}, {}, {{contact, "floor"}});
   problem.advance(0.5);
-  const state::State saved = problem.saved_state();
+  const state::State saved = problems::saved_state(problem);
+  const auto schedule = problem.stepper().schedule();
   const auto end = [&]
   {
     problem.advance(2.0);
@@ -162,13 +166,13 @@ TEST_CASE("a run goes on from a state that was saved as if nothing had been")
     return std::pair(std::vector<double>(u.begin(), u.end()), problem.energies().values());
   };
   const auto first = end();
-  problem.resume(saved);
+  problems::resume(problem, saved, schedule);
   CHECK(problem.time() == 0.5);
   CHECK(end() == first);
   CHECK(first.second[4] + first.second[7] > 0.0); // it has met the floor, and flowed
   Square other("linear_elastic");
   problems::ExplicitProblem of_another(other.u, nullptr, other.body());
-  CHECK_THROWS(of_another.resume(saved));
+  CHECK_THROWS(problems::resume(of_another, saved));
 }
 
 TEST_CASE("supports and loads follow their functions of time")
@@ -304,10 +308,9 @@ TEST_CASE("a run goes on from a state that was saved as it went on before, in th
   problem.advance(25.0 * step);
   const std::vector<double> end(one.u->x()->array().begin(), one.u->x()->array().end());
   const std::int64_t steps = problem.step();
-  problems::RunObserver nobody;
   for (auto* from : {&problem, &other})
   {
-    problems::resume(*from, saved, std::nullopt, nobody);
+    problems::resume(*from, saved);
     CHECK(from->time() == 10.0 * step);
     from->advance(25.0 * step);
     CHECK(from->step() == steps);
@@ -316,4 +319,165 @@ TEST_CASE("a run goes on from a state that was saved as it went on before, in th
   Square third("linear_elastic");
   problems::ExplicitProblem another(third.u, third.v, third.body());
   CHECK_FALSE(problems::empty_state(another).difference_of_structure(saved).empty());
+}
+
+namespace
+{
+namespace explicit_test
+{
+/// A plate of cells h = 0.1 high and 0.5 wide, of E = 100 without lateral contraction and density 2, on a floor. Its
+/// fastest mode moves the rows of nodes against each other, up and down: that of a chain of masses and springs.
+struct Plate
+{
+  static constexpr double E = 100.0, density = 2.0, h = 0.1, wide = 0.5;
+  std::shared_ptr<fem::FunctionSpace<double>> V;
+  std::shared_ptr<fem::Function<double>> u;
+  problems::KernelMaterial law{"linear_elastic", {{"E", {E}}, {"nu", {0.0}}}, "plane_strain"};
+  gap::Rigid floor{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {0, 1, 0}};
+
+  explicit Plate(int rows)
+  {
+    auto mesh = std::make_shared<mesh::Mesh<double>>(mesh::create_rectangle<double>(
+        MPI_COMM_SELF, {{{0.0, 0.0}, {4 * wide, rows * h}}}, {4, rows}, mesh::CellType::quadrilateral));
+    const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
+                                                       basix::element::lagrange_variant::gll_warped,
+                                                       basix::element::dpc_variant::unset, false);
+    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    u = std::make_shared<fem::Function<double>>(V);
+  }
+  surface::Facets side(double y) const
+  {
+    return surface::make_surface(*V, mesh::locate_entities_boundary(*V->mesh(), 1, at(1, y)));
+  }
+  std::shared_ptr<enforcement::NodePenalty> springs(const enforcement::NodePenaltyOptions& options = {}) const
+  {
+    return std::make_shared<enforcement::NodePenalty>(*V, side(0.0), floor, options);
+  }
+  problems::ExplicitProblem problem(std::vector<problems::ContactInTime> contacts = {},
+                                    const problems::ExplicitBodyOptions& options = {},
+                                    std::vector<problems::PrescribedMotion> supports = {}) const
+  {
+    return {u, nullptr, problems::explicit_body(u, {{law, density}}, options), std::move(supports), {}, contacts};
+  }
+};
+} // namespace explicit_test
+using explicit_test::Plate;
+using problems::StableStepMethod;
+} // namespace
+
+TEST_CASE("the stable step of a free plate is the time of a wave through a cell, by all methods")
+{
+  const double cell = Plate::h * std::sqrt(Plate::density / Plate::E); // 2 / omega of a free chain with lumped masses
+  for (const int rows : {1, 5})
+  {
+    problems::ExplicitProblem problem = Plate(rows).problem();
+    for (const auto method : {StableStepMethod::length, StableStepMethod::element, StableStepMethod::eigenvalue})
+      CHECK(problem.stable_step(method) == Approx(cell).epsilon(1e-8)); // tolerance of the eigenvalue
+  }
+  const double alpha = 0.3 * 2.0 / cell, xi = 0.15; // seed (3.78): alpha/(2 omega)
+  problems::ExplicitProblem damped = Plate(5).problem({}, {.alpha = alpha});
+  for (const auto method : {StableStepMethod::length, StableStepMethod::element, StableStepMethod::eigenvalue})
+    CHECK(damped.stable_step(method) == Approx(cell * (std::sqrt(1.0 + xi * xi) - xi)).epsilon(1e-8));
+}
+
+TEST_CASE("springs of a given penalty lower the stable step, which nobody has to tell")
+{
+  const double E = Plate::E, h = Plate::h, mass = 0.5 * Plate::density * h, penalty = 3000.0; // per area
+  const Plate plate(1);
+  problems::ExplicitProblem problem = plate.problem({{plate.springs({{}, penalty}), "floor"}});
+  // Two masses m with a spring k = E/h between them, one of them on the spring of the floor.
+  const double k = E / h;
+  const double highest = (2.0 * k + penalty + std::sqrt(4.0 * k * k + penalty * penalty)) / (2.0 * mass);
+  CHECK(problem.stable_step(StableStepMethod::eigenvalue) == Approx(2.0 / std::sqrt(highest)).epsilon(1e-8));
+  const double bound = 2.0 / std::sqrt(2.0 * k / mass + penalty / mass);
+  for (const auto method : {StableStepMethod::length, StableStepMethod::element})
+    CHECK(problem.stable_step(method) == Approx(bound).epsilon(1e-12));
+  CHECK(problem.safe_step().value() == Approx(bound).epsilon(1e-12));
+  // Held at its other end, one mass swings between both springs.
+  auto still = std::make_shared<fem::Function<double>>(plate.V);
+  auto top = std::make_shared<fem::DirichletBC<double>>(
+      still, fem::locate_dofs_geometrical(*plate.V, explicit_test::at(1, h)));
+  problems::ExplicitProblem held = plate.problem({{plate.springs({{}, penalty}), "floor"}}, {}, {{top}});
+  CHECK(held.stable_step(StableStepMethod::eigenvalue) ==
+        Approx(2.0 / std::sqrt((k + penalty) / mass)).epsilon(1e-8));
+}
+
+TEST_CASE("springs without a given penalty have half the stiffness of a layer, or follow the step")
+{
+  const Plate plate(2);
+  const double h = Plate::h, mass = 0.5 * Plate::density * h * Plate::wide; // of an inner node of the lower side
+  for (std::size_t i = 1; i < plate.u->x()->array().size(); i += 2)
+    plate.u->x()->mutable_array()[i] = -0.01 * h;
+  const auto automatic = plate.springs(), by_step = plate.springs({.by_step = true});
+  problems::ExplicitProblem one = plate.problem({{automatic, "floor"}});
+  problems::ExplicitProblem other = plate.problem({{by_step, "floor"}});
+  const double step = one.stable_step();
+  CHECK(step == Approx(h * std::sqrt(Plate::density / Plate::E)).epsilon(1e-12));
+  CHECK(other.stable_step() == step);
+  one.advance(0.9 * step);
+  other.advance(0.9 * step);
+  // Half a layer E A/(2 h) is more than what the mass bears, 0.19/0.81 m omega^2: cells are wider than high.
+  const double square_frequency = 4.0 / (step * step), layer = 0.5 * Plate::E / h * Plate::wide;
+  CHECK(0.19 / 0.81 * mass * square_frequency < layer);
+  CHECK(std::ranges::max(automatic->stiffness()) == Approx(0.19 / 0.81 * mass * square_frequency).epsilon(1e-9));
+  CHECK(std::ranges::max(by_step->stiffness()) == Approx(0.5 * mass / (0.81 * step * step)).epsilon(1e-12));
+  // On its narrow side cells are longer than wide, and the layer counts: E A/(2 wide).
+  const auto end = surface::make_surface(
+      *plate.V, mesh::locate_entities_boundary(*plate.V->mesh(), 1, explicit_test::at(0, 0.0)));
+  const gap::Rigid wall{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {1, 0, 0}};
+  const auto narrow = std::make_shared<enforcement::NodePenalty>(*plate.V, end, wall);
+  for (std::size_t i = 0; i < plate.u->x()->array().size(); i += 2)
+    plate.u->x()->mutable_array()[i] = -0.01 * h;
+  problems::ExplicitProblem third = plate.problem({{narrow, "wall"}});
+  third.advance(0.9 * step);
+  CHECK(std::ranges::max(narrow->stiffness()) == Approx(0.5 * Plate::E / Plate::wide * h).epsilon(1e-9));
+}
+
+TEST_CASE("an explicit run goes on from an equilibrium of multipliers at rest")
+{
+  const Plate plate(5);
+  const double pressure = 0.5, weight = 4 * Plate::wide * pressure;
+  const auto body = std::make_shared<problems::KernelBody>(plate.u, plate.law);
+  problems::LoadInTime load;
+  for (const std::int32_t node : fem::locate_dofs_geometrical(*plate.V, explicit_test::at(1, 5 * Plate::h)))
+  {
+    const double x = plate.V->tabulate_dof_coordinates(false)[3 * node];
+    const double part = x < 1e-9 || x > 4 * Plate::wide - 1e-9 ? 0.5 : 1.0;
+    load.dofs.push_back(2 * node + 1);
+    load.values.push_back(-pressure * Plate::wide * part);
+    body->loads()[2 * node + 1] = load.values.back();
+  }
+  std::vector<std::int32_t> sideways; // the middle cannot go there
+  for (const std::int32_t node : fem::locate_dofs_geometrical(*plate.V, explicit_test::at(0, 2 * Plate::wide)))
+    sideways.push_back(2 * node);
+  const auto Vx = std::make_shared<fem::FunctionSpace<double>>(plate.V->sub({0}));
+  auto held = std::make_shared<fem::DirichletBC<double>>(
+      std::make_shared<fem::Constant<double>>(0.0), sideways, Vx);
+  const problems::BoundaryConditions bcs{held};
+  auto contact = std::make_shared<enforcement::MortarContact>(
+      plate.V, plate.side(0.0), std::make_shared<const gap::Rigid>(plate.floor), enforcement::MortarOptions{},
+      problems::prescribed_dofs(*plate.V, bcs));
+  problems::StaticProblem equilibrium(plate.u, body, bcs, {contact});
+  equilibrium.solve();
+  REQUIRE(contact->totals().force[1] == Approx(weight));
+
+  const auto springs = plate.springs();
+  auto u = std::make_shared<fem::Function<double>>(plate.V);
+  std::ranges::copy(plate.u->x()->array(), u->x()->mutable_array().begin());
+  problems::ExplicitProblem run(u, nullptr, problems::explicit_body(u, {{plate.law, Plate::density}}), {{held}}, {load},
+                                {{springs, "floor"}});
+  problems::start_from_equilibrium(run, *equilibrium.equilibrium());
+  CHECK(run.time() == 0.0);
+  CHECK(springs->force()[1] == Approx(weight).epsilon(1e-5)); // the approach is found to 1e-6
+  // What the springs give way by: weight over the sum of their stiffness.
+  double sum = 0.0;
+  for (const double k : springs->stiffness())
+    sum += k;
+  CHECK(plate.u->x()->array()[1] - u->x()->array()[1] == Approx(weight / sum).epsilon(1e-5));
+  run.advance(20.0 * run.stable_step());
+  const double impact = pressure / std::sqrt(Plate::E * Plate::density); // velocity of a surface that is loaded at once
+  for (const double v : run.velocity()->x()->array())
+    CHECK(std::abs(v) < 1e-4 * impact);
+  problems::ExplicitProblem apart = plate.problem();
+  CHECK_THROWS_AS(problems::start_from_equilibrium(apart, *equilibrium.equilibrium()), std::invalid_argument);
 }

@@ -2,7 +2,9 @@
 #include "DynamicMaterial.h"
 #include "../operators/lump.h"
 #include <algorithm>
+#include <array>
 #include <stdexcept>
+#include <string_view>
 
 namespace dolfinx_impact::problems
 {
@@ -36,6 +38,16 @@ bool is_plastic(const KernelMaterial& law)
 std::string elastic_name(const KernelMaterial& law)
 {
   return is_plastic(law) ? "linear_elastic" : law.name;
+}
+
+std::optional<double> uniaxial_modulus(const KernelMaterial& law)
+{
+  constexpr std::array<std::string_view, 3> hookean{"linear_elastic", "st_venant_kirchhoff", "neo_hookean"};
+  if (std::ranges::find(hookean, elastic_name(law)) == hookean.end())
+    return {};
+  const double E = law.constants.at("E").at(0), nu = law.constants.at("nu").at(0);
+  const double lambda = E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), mu = E / (2.0 * (1.0 + nu));
+  return (law.hypothesis == "plane_stress" ? 2.0 * lambda * mu / (lambda + 2.0 * mu) : lambda) + 2.0 * mu;
 }
 
 std::vector<std::vector<std::int32_t>> cells_of(const std::vector<DynamicMaterial>& materials,

@@ -50,6 +50,10 @@ bool is_plastic(const KernelMaterial& law);
 /// The elastic law that bounds frequencies and damps.
 std::string elastic_name(const KernelMaterial& law);
 
+/// Modulus of uniaxial strain at rest, lambda + 2 mu, of sheets E/(1 - nu^2); nothing for laws of a user's own, whose
+/// constants have no meaning here [F/L^2].
+std::optional<double> uniaxial_modulus(const KernelMaterial& law);
+
 /// Owned cells of each material.
 /// @throws std::invalid_argument if a cell has no material, or two; a density is not positive; or tags are missing
 std::vector<std::vector<std::int32_t>> cells_of(const std::vector<DynamicMaterial>& materials,

@@ -4,7 +4,10 @@
 #include "../integrators/ForceTerm.h"
 #include "../integrators/SafeStep.h"
 #include "../integrators/stable_step.h"
+#include "../operators/KernelTangent.h"
+#include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace dolfinx_impact::problems
@@ -19,6 +22,9 @@ struct ExplicitBody
     integrators::WorkKind kind;
   };
 
+  /// A matrix at the present state, a new one with each call, which the caller may change. Collective.
+  typedef std::function<std::shared_ptr<operators::KernelTangent>()> Assemble;
+
   integrators::FormForces internal;
   bool linear = false; ///< the internal energy is u . F/2
   std::vector<Term> terms;
@@ -26,5 +32,15 @@ struct ExplicitBody
   std::shared_ptr<integrators::CellFrequencies> frequencies;
   integrators::UniformDamping damping; ///< `alpha` acts; the others are in `terms`, and limit the step
   integrators::SafeStep::Kind kind;    ///< how the stable step may change
+  /// Derivatives of the internal force by the displacement [F/L], and of damping that differs between cells by the
+  /// velocity, null without [F T/L]; of which the frequencies are.
+  Assemble stiffness, cell_damping;
+  /// Of the undeformed material of each owned cell.
+  struct Elasticity
+  {
+    std::vector<double> moduli;      ///< of uniaxial strain [F/L^2]
+    std::vector<double> wave_speeds; ///< of dilatational waves [L/T]
+  };
+  std::optional<Elasticity> elasticity; ///< nothing: it is not known
 };
 } // namespace dolfinx_impact::problems

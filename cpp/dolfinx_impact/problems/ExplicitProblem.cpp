@@ -6,8 +6,13 @@
 #include "../common/text.h"
 #include "../enforcement/node_to_surface/KinematicContact.h"
 #include "../enforcement/node_to_surface/NodePenalty.h"
+#include "../enforcement/node_to_surface/TrialSprings.h"
+#include "../enforcement/node_to_surface/nodal_compliances.h"
+#include "../integrators/assembled_step.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
@@ -62,23 +67,67 @@ FunctionsOfTime functions_of(const std::vector<LoadInTime>& loads)
   return out;
 }
 
-integrators::CellSteps cell_steps(const ExplicitBody& body, const std::vector<ContactInTime>& contacts,
-                                  integrators::Scheme scheme)
+/// Masses of the nodes that this rank owns.
+std::vector<double> nodal_masses(const ExplicitBody& body, const dolfinx::fem::FunctionSpace<double>& V)
 {
+  const std::size_t bs = V.dofmap()->index_map_bs();
+  std::vector<double> out(V.dofmap()->index_map->size_local());
+  for (std::size_t node = 0; node < out.size(); ++node)
+    out[node] = body.mass[node * bs];
+  return out;
+}
+
+integrators::CellSteps cell_steps(const ExplicitBody& body, const std::vector<ContactInTime>& contacts,
+                                  const dolfinx::fem::FunctionSpace<double>& V, integrators::Scheme scheme)
+{
+  const std::vector<double> mass = nodal_masses(body, V);
   double square = 0.0;
   for (const ContactInTime& c : contacts)
-    square += c.spring_frequency * c.spring_frequency;
+  {
+    const double frequency = c.contact.spring_frequency(mass);
+    square += frequency * frequency;
+  }
   return {body.damping, scheme, std::sqrt(square)};
 }
 
-/// Calls f(name, history) for the internal variables of each integral.
-void each_history(const ExplicitBody& body, const auto& f)
+/// Springs without a given penalty get the stiffness that the bodies offer at rest. Collective.
+std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, const ExplicitBody& body,
+                                          dolfinx::fem::Function<double>& u)
 {
-  int number = 0;
-  for (const auto& operation : {body.internal.inner, body.internal.outer})
-    for (std::size_t i = 0; i < operation->num_integrals(); ++i)
-      if (const auto& history = operation->history(i))
-        f("integral " + std::to_string(number++), *history);
+  /// The displacement that kernels read is zero meanwhile.
+  struct Rest
+  {
+    explicit Rest(std::span<double> u) : values(u), kept(u.begin(), u.end()) { std::ranges::fill(u, 0.0); }
+    ~Rest() { std::ranges::copy(kept, values.begin()); }
+    Rest(const Rest&) = delete;
+    Rest& operator=(const Rest&) = delete;
+    std::span<double> values;
+    std::vector<double> kept;
+  };
+  const auto frequency_stiffness = [&](std::span<const std::int8_t> nodes)
+  {
+    const Rest rest(u.x()->mutable_array());
+    return body.frequencies->nodal_stiffness(nodes);
+  };
+  std::optional<std::span<const double>> moduli;
+  if (body.elasticity)
+    moduli = body.elasticity->moduli;
+  for (const ContactInTime& c : contacts)
+  {
+    const auto& directions = c.contact.directions();
+    const auto* first = dynamic_cast<const enforcement::NodePenalty*>(directions.front().get());
+    if (!first || !first->lacks_compliances())
+      continue;
+    enforcement::NodalCompliances found =
+        enforcement::nodal_compliances(*u.function_space(), *first, moduli, frequency_stiffness);
+    for (const auto& direction : directions)
+    {
+      if (auto* springs = dynamic_cast<enforcement::NodePenalty*>(direction.get()))
+        springs->set_nodal_compliances(found);
+      std::swap(found.slave, found.master); // the other direction has both surfaces exchanged
+    }
+  }
+  return contacts;
 }
 
 /// Calls a function of the user after each step, all ranks together.
@@ -109,9 +158,10 @@ ExplicitProblem::ExplicitProblem(std::shared_ptr<Function> u, std::shared_ptr<Fu
                                  std::vector<ContactInTime> contacts, const ExplicitOptions& options,
                                  std::shared_ptr<Function> a)
     : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(loads), std::move(a)),
-      _body(std::move(body)), _contacts(std::move(contacts)),
+      _body(std::move(body)), _contacts(with_stiffness(std::move(contacts), _body, *_u)),
       _integrator(make_integrator(_body, *this, loads, _contacts, options)),
-      _safe(_u, _body.frequencies, cell_steps(_body, _contacts, options.scheme), _body.kind, *_integrator),
+      _safe(_u, _body.frequencies, cell_steps(_body, _contacts, *_u->function_space(), options.scheme), _body.kind,
+            *_integrator),
       _history(_contacts.size()), _stepper(system(), _time, _step)
 {
   RunObserver nobody;
@@ -163,16 +213,24 @@ std::string ExplicitProblem::unsolved() const
   return all == 0 ? "" : "the local equations of the material were not solved at " + std::to_string(all) + " points";
 }
 
-/// Nodes in the master by more than half a facet stay open: the bodies would pass through each other.
+/// Slave nodes in the master by more than half a facet stay open: the bodies would pass through each other. Of balanced
+/// contact the slave of the pair decides.
 void ExplicitProblem::check_overlap()
 {
   for (const ContactInTime& c : _contacts)
   {
-    long long deep = 0;
-    for (const auto& direction : c.contact.directions())
-      if (const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(direction.get()))
-        deep += (_step == 0 ? contact->too_deep(_integrator->displacement()) : std::nullopt)
-                    .value_or(contact->implausible());
+    const enforcement::NodalContact* slaves = c.contact.directions().front().get();
+    const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(slaves);
+    long long deep = contact ? contact->implausible() : 0;
+    if (_step == 0 && contact && contact->obstacle())
+      deep = contact->too_deep(_integrator->displacement()).value_or(0);
+    else if (_step == 0 && dynamic_cast<const enforcement::KinematicContact*>(slaves))
+    {
+      // Kinematic contact evaluates gaps inside steps only: springs find the nodes.
+      enforcement::TrialSprings trial(*_u->function_space(), c.contact, _integrator->displacement());
+      trial.force(1.0);
+      deep = trial.implausible();
+    }
     deep = common::sum(comm(), deep);
     if (deep > 0)
       throw common::BadValue(c.name + ": " + std::to_string(deep) +
@@ -213,10 +271,49 @@ void ExplicitProblem::advance(double until, const AdvanceOptions& options, RunOb
   _stepper.advance(until, options, observer);
 }
 
-double ExplicitProblem::stable_step()
+double ExplicitProblem::stable_step(StableStepMethod method)
 {
   update_motion();
-  return _safe.compute();
+  return stable_step_of_function(method);
+}
+
+double ExplicitProblem::stable_step_of_function(StableStepMethod method)
+{
+  if (method == StableStepMethod::element)
+    return _safe.compute();
+  if (method == StableStepMethod::eigenvalue)
+    return assembled_stable_step();
+  if (!_body.elasticity)
+    throw common::BadValue("L/c_d needs a material: use method 'element' or 'eigenvalue'");
+  const auto V = _u->function_space();
+  const std::vector<double> sizes = integrators::cell_sizes(*V->mesh());
+  const double degree = V->element()->basix_element().degree();
+  double shortest = std::numeric_limits<double>::infinity(); // time that a wave takes through a cell
+  for (std::size_t cell = 0; cell < sizes.size(); ++cell)
+    shortest = std::min(shortest, sizes[cell] / degree / _body.elasticity->wave_speeds[cell]);
+  const double omega = 2.0 / -common::largest(comm(), -shortest);
+  return _safe.steps()(std::array{omega * omega}, std::array{0.0})[0];
+}
+
+/// The limit of the assembled bodies, with the springs of given stiffness of all slave nodes that have a master now.
+double ExplicitProblem::assembled_stable_step()
+{
+  if (!_body.stiffness)
+    throw common::BadValue("the stiffness of these bodies cannot be assembled: use method 'element'");
+  std::vector<double> inverse(num_owned());
+  for (std::size_t i = 0; i < inverse.size(); ++i)
+    inverse[i] = _supports.mask()[i] ? 0.0 : 1.0 / _body.mass[i];
+  const auto K = _body.stiffness();
+  for (const ContactInTime& c : _contacts)
+    if (const auto* springs = dynamic_cast<const enforcement::NodePenalty*>(c.contact.directions().front().get());
+        springs && springs->penalty() > 0.0)
+      enforcement::TrialSprings(*_u->function_space(), c.contact, _u->x()->array()).add_to(K->matrix());
+  const integrators::CellSteps& steps = _safe.steps();
+  if (_body.cell_damping)
+    return integrators::assembled_step(K->matrix(), _body.cell_damping()->matrix(), inverse, steps.uniform,
+                                       _safe.compute());
+  const double omega = integrators::highest_frequency(K->matrix(), inverse);
+  return integrators::stable_step(omega * omega, 0.0, steps.uniform, steps.scheme);
 }
 
 state::State ExplicitProblem::state()
@@ -242,99 +339,6 @@ void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();
   _stepper.start(_u->x()->array().first(owned), _v->x()->array().first(owned), observer);
-  update_motion();
-}
-
-state::State ExplicitProblem::saved_state()
-{
-  state::State out("explicit problem");
-  const auto add = [](state::State& to, std::string name, state::Place place, std::vector<double> values)
-  { to.add_own(std::move(name), place, std::move(values)); };
-  const auto& schedule = _stepper.schedule();
-  const integrators::SafeStep::Saved safe = _safe.saved();
-  out.add(_integrator->saved_state());
-  add(out, "time", state::Place::all, {_time, _stepper.next_time(), double(_step)});
-  if (schedule)
-    add(out, "schedule", state::Place::all,
-        {schedule->begin, schedule->until, double(schedule->first), double(schedule->last),
-         double(schedule->automatic)});
-  else
-    add(out, "schedule", state::Place::all, {});
-  add(out, "stable step", state::Place::all,
-      {safe.value, _stepper.nominal_step(), double(safe.check_step), double(safe.check_interval), double(safe.deformed),
-       double(_safe.changes.stale), _safe.changes.total, _safe.changes.allowed});
-  add(out, "energies", state::Place::all,
-      {double(_history.total_start().has_value()), _history.total_start().value_or(0.0), _history.largest()});
-  if (const integrators::StableStepWatch* watch = _safe.watch())
-  {
-    state::State part("watch");
-    const auto& seen = watch->seen();
-    add(part, "squares", state::Place::cell, seen.squares);
-    add(part, "rates", state::Place::cell, seen.rates);
-    add(part, "since", state::Place::cell, seen.since);
-    add(part, "reference", state::Place::node,
-        {seen.reference.begin(), seen.reference.begin() + std::ptrdiff_t(num_owned())});
-    add(part, "sensitivity", state::Place::all, {seen.sensitivity});
-    out.add(std::move(part));
-  }
-  for (std::size_t k = 0; k < _contacts.size(); ++k)
-  {
-    state::State part("contact " + std::to_string(k));
-    std::vector<state::State> directions = _contacts[k].contact.saved_states();
-    for (std::size_t d = 0; d < directions.size(); ++d)
-    {
-      directions[d].rename("direction " + std::to_string(d));
-      part.add(std::move(directions[d]));
-    }
-    out.add(std::move(part));
-  }
-  each_history(_body,
-               [&](const std::string& name, const operators::PointHistory& history)
-               {
-                 state::State part(name);
-                 for (std::size_t f = 0; f < history.num_fields(); ++f)
-                   if (history.is_history(f))
-                     add(part, history.name(f), state::Place::rank, history.values(f));
-                 out.add(std::move(part));
-               });
-  return out;
-}
-
-void ExplicitProblem::resume(const state::State& saved)
-{
-  const auto numbers = [&](const char* name) { return saved.values<double>(name); };
-  const auto copied = [](const state::State& part, const char* name)
-  {
-    const std::span<double> values = part.values<double>(name);
-    return std::vector<double>(values.begin(), values.end());
-  };
-  each_history(_body,
-               [&](const std::string& name, operators::PointHistory& history)
-               {
-                 const state::State& part = saved.part(name);
-                 for (std::size_t f = 0; f < history.num_fields(); ++f)
-                   if (history.is_history(f))
-                     history.set_values(f, part.values<double>(history.name(f)));
-               });
-  for (std::size_t k = 0; k < _contacts.size(); ++k)
-    _contacts[k].contact.resume(saved.part("contact " + std::to_string(k)).parts());
-  const auto safe = numbers("stable step"), energies = numbers("energies"), time = numbers("time"),
-             steps = numbers("schedule");
-  if (integrators::StableStepWatch* watch = _safe.watch())
-  {
-    const state::State& part = saved.part("watch");
-    watch->restore({copied(part, "squares"), copied(part, "rates"), copied(part, "since"), copied(part, "reference"),
-                    part.values<double>("sensitivity")[0]});
-  }
-  _safe.restore({safe[0], std::int64_t(safe[2]), std::int64_t(safe[3]), safe[4] != 0.0});
-  _safe.changes = {safe[5] != 0.0, safe[6], safe[7]};
-  _integrator->resume(saved.part(_integrator->empty_state().name()));
-  std::optional<integrators::StepSchedule> schedule;
-  if (!steps.empty())
-    schedule = {steps[0], steps[1], std::int64_t(steps[2]), std::int64_t(steps[3]), steps[4] != 0.0};
-  RunObserver nobody;
-  resume(time[0], std::int64_t(time[2]), time[1], safe[1], schedule, nobody);
-  _history.resume(energies[0] != 0.0 ? std::optional(energies[1]) : std::nullopt, energies[2]);
   update_motion();
 }
 

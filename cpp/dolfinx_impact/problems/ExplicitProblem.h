@@ -15,15 +15,21 @@
 
 namespace dolfinx_impact::problems
 {
-/// A contact of a problem in time.
+/// How `stable_step` finds the largest stable step; docs/explicit/stable_step.md.
+enum class StableStepMethod
+{
+  length,    ///< shortest edge over the speed of waves, (3.79), (3.80): an estimate
+  element,   ///< from the highest frequencies of the cells: never more than the limit
+  eigenvalue ///< from the highest frequency of the assembled bodies: the limit itself
+};
+
+/// A contact of a problem in time. The stable step is lowered by springs of a given penalty. Springs without one get
+/// the stiffness that the bodies offer, unless they follow the step (NodePenaltyOptions::by_step) or were given theirs.
 struct ContactInTime
 {
   enforcement::NodalPair contact;                      ///< one direction, or both of balanced contact
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
-  /// Upper bound of the angular frequency that its springs of given stiffness add; springs by the step or the bodies
-  /// add none [1/T].
-  double spring_frequency = 0.0;
 };
 
 struct ExplicitOptions
@@ -62,22 +68,22 @@ public:
   /// set by `update_motion` alone.
   void advance(double until, const AdvanceOptions& options, RunObserver& observer);
 
-  /// Largest stable step at the present state, from the highest frequencies of the cells; with contact springs of given
-  /// stiffness. Collective [T].
-  double stable_step();
+  /// Largest stable step at the present state; infinite where nothing limits it. Collective [T].
+  ///
+  /// Contact springs of given stiffness lower it: by a bound that holds wherever the bodies meet (`length`, `element`),
+  /// or by the springs of all slave nodes that have a master now, closed or not (`eigenvalue`).
+  /// @throws common::BadValue if the stiffness of a cell is not finite, or `length` is asked for bodies whose wave
+  /// speed is not known
+  /// @throws common::Failure if the eigenvalue solver does not converge
+  double stable_step(StableStepMethod method = StableStepMethod::element);
+  /// The same of the displacement that the function has, which may be another one than that of the steps.
+  double stable_step_of_function(StableStepMethod method);
   /// Energies at the present time, sums over ranks. Collective [F L].
   integrators::Energies energies() { return _integrator->energies(); }
   const RunHistory& history() const { return _history; }
   RunHistory& history() { return _history; }
   /// Displacement, velocity and acceleration as named arrays, views of the problem's functions.
   state::State state();
-  /// All that the run goes on from, values of its own: motion, contacts with their friction, internal variables, works,
-  /// what is known of the stable step. Constants, loads and functions of time are not in it. Contact is searched anew
-  /// in the next step. Collective.
-  state::State saved_state();
-  /// Go on from what `saved_state` has returned; the history begins anew. Collective.
-  /// @throws std::logic_error for the state of another problem: std::invalid_argument or std::out_of_range
-  void resume(const state::State& saved);
   /// Set displacement, velocity and acceleration to those of the present time. Collective.
   void update_motion();
   /// Compute the forces of the start, from the functions of displacement and velocity: for the first time, or because
@@ -99,6 +105,7 @@ private:
   void check_overlap();
   void go_back();
   std::string unsolved() const;
+  double assembled_stable_step();
 
   ExplicitBody _body;
   std::vector<ContactInTime> _contacts;

@@ -36,18 +36,13 @@ std::vector<double> ExplicitStepper::table(std::span<const double> times, RunObs
   return given ? std::move(*given) : _system.table(times);
 }
 
-void ExplicitStepper::check_start(RunObserver& observer) const
-{
-  if (!observer.check_start())
-    _system.check_start();
-}
-
 void ExplicitStepper::start(std::span<const double> u, std::span<const double> v, RunObserver& observer)
 {
   _system.integrator.set_contact_step(_nominal);
   _system.integrator.start(u, v);
+  _good.reset(); // internal variables may be others than at an earlier start
   run(0, observer);
-  check_start(observer);
+  _system.check_start();
 }
 
 /// Springs are others: the forces of the start once more.
@@ -85,7 +80,7 @@ void ExplicitStepper::take_steps(double until, const AdvanceOptions& options, Ru
   const std::int64_t rest = _schedule->last - _step, first = _step == 0 ? 1 : chunk;
   run(std::min({first, rest, observer.room(), _system.safe.steps_left(_step, rest)}), observer);
   if (first == 1) // kinematic contact has gaps only after a step
-    check_start(observer);
+    _system.check_start();
   observer.after_steps();
 }
 

@@ -81,7 +81,6 @@ private:
 
   MPI_Comm comm() const { return _system.space->mesh()->comm(); }
   std::vector<double> table(std::span<const double> times, RunObserver& observer) const;
-  void check_start(RunObserver& observer) const;
   void restart(RunObserver& observer);
   void take_steps(double until, const AdvanceOptions& options, RunObserver& observer);
   void run(std::int64_t count, RunObserver& observer);

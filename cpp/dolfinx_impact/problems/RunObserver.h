@@ -30,9 +30,6 @@ public:
     (void)times;
     return std::nullopt;
   }
-  /// Do bodies overlap at the start? Asked there and after the first step; throws if they do.
-  /// @returns has it looked? Else no node may have been found too deep to be pushed out
-  virtual bool check_start() { return false; }
   /// Which local equations of the materials were not solved, in words, or an empty text; nothing: the number is told.
   virtual std::optional<std::string> unsolved() { return std::nullopt; }
   /// Steps were made.

@@ -5,6 +5,7 @@
 #include "../kernels/KernelTable.h"
 #include "../kernels/constants.h"
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -73,7 +74,10 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
   body.damping = {options.alpha, options.beta, options.bulk_viscosity[0]};
   std::vector<Integral> forces, damping, viscosity;
   std::vector<operators::CellBounds::Part> stiffness;
+  std::vector<Integral> tangents;
   std::vector<double> masses(std::size_t(num_cells) * width, 0.0);
+  ExplicitBody::Elasticity elasticity{std::vector<double>(num_cells), std::vector<double>(num_cells)};
+  bool known = true; // the elasticity
   bool linear = true;
   const std::size_t num_plastic =
       std::ranges::count_if(materials, [](const DynamicMaterial& m) { return is_plastic(m.law); });
@@ -98,13 +102,21 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
       append(damping, elastic_name(law) + ".damping");
     if (options.bulk_viscosity != std::array<double, 2>{})
       append(viscosity, elastic_name(law) + ".viscosity");
-    std::vector<Integral> tangents;
+    const std::size_t first = tangents.size();
     append(tangents, tangent_name(law));
-    for (Integral& tangent : tangents)
+    for (std::size_t i = first; i < tangents.size(); ++i)
     {
+      const Integral& tangent = tangents[i];
       const bool varies = reads(*tangent.kernel, "u");
       linear = linear && !varies;
-      stiffness.push_back({std::move(tangent), varies ? Coefficients{{"u", u}} : Coefficients{}, varies});
+      stiffness.push_back({tangent, varies ? Coefficients{{"u", u}} : Coefficients{}, varies});
+    }
+    const std::optional<double> modulus = uniaxial_modulus(law);
+    known = known && modulus;
+    for (const std::int32_t cell : cells)
+    {
+      elasticity.moduli[cell] = modulus.value_or(0.0);
+      elasticity.wave_speeds[cell] = std::sqrt(modulus.value_or(0.0) / material.density);
     }
     const std::vector<double> m = lumped_masses(kernels, *V, material, cells, options.lumping);
     for (std::size_t k = 0; k < cells.size(); ++k)
@@ -127,6 +139,15 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
   body.frequencies = std::make_shared<integrators::CellFrequencies>(
       V, std::make_shared<operators::CellBounds>(V, std::move(stiffness)), nullptr,
       [m = std::move(masses)] { return m; });
+  body.stiffness = [V, u, tangents = std::move(tangents)]
+  {
+    u->x()->scatter_fwd();
+    auto out = std::make_shared<operators::KernelTangent>(std::array{V, V}, tangents, Coefficients{{"u", u}});
+    out->assemble();
+    return out;
+  };
+  if (known)
+    body.elasticity = std::move(elasticity);
   if (options.mass_scaling)
     body.frequencies->scale_mass(*options.mass_scaling);
   body.mass = body.frequencies->nodal_masses();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "explicit_state.h"
+#include "../operators/saved_history.h"
 #include "../state/numbers.h"
 #include <algorithm>
 
@@ -13,6 +14,16 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
+operators::Histories histories_of(const ExplicitBody& body)
+{
+  operators::Histories out;
+  for (const auto& operation : {body.internal.inner, body.internal.outer})
+    for (std::size_t i = 0; i < operation->num_integrals(); ++i)
+      if (const auto& history = operation->history(i))
+        out.push_back(history);
+  return out;
+}
+
 State with(ExplicitProblem& problem, State integrator)
 {
   integrators::SafeStep& safe = problem.safe_step();
@@ -49,6 +60,9 @@ State with(ExplicitProblem& problem, State integrator)
     for (std::size_t j = 0; j < directions.size(); ++j)
       out.add(std::move(directions[j].rename("contact" + std::to_string(k) + "_" + std::to_string(j))));
   }
+  const auto& topology = *problem.displacement()->function_space()->mesh()->topology();
+  if (const operators::Histories histories = histories_of(problem.body()); !histories.empty())
+    out.add(operators::saved_history(histories, topology.index_map(topology.dim())->size_local()));
   return out;
 }
 } // namespace
@@ -66,6 +80,8 @@ State empty_state(ExplicitProblem& problem)
 void resume(ExplicitProblem& problem, const State& saved, const std::optional<integrators::StepSchedule>& schedule,
             RunObserver& observer)
 {
+  if (const operators::Histories histories = histories_of(problem.body()); !histories.empty())
+    operators::resume_history(histories, saved.part("material"));
   for (std::size_t k = 0; k < problem.contacts().size(); ++k)
   {
     enforcement::NodalPair pair = problem.contacts()[k].contact;
@@ -91,5 +107,12 @@ void resume(ExplicitProblem& problem, const State& saved, const std::optional<in
                  number<double>(saved, "nominal_step"), schedule, observer);
   problem.history().resume(step > 0 ? std::optional(number<double>(saved, "total_start")) : std::nullopt,
                            number<double>(saved, "largest"));
+}
+
+void resume(ExplicitProblem& problem, const State& saved, const std::optional<integrators::StepSchedule>& schedule)
+{
+  RunObserver nobody;
+  resume(problem, saved, schedule, nobody);
+  problem.update_motion();
 }
 } // namespace dolfinx_impact::problems

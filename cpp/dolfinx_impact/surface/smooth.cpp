@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "smooth.h"
+#include "../common/vectors.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,11 +35,11 @@ Vector operator*(double s, const Vector& a)
 {
   return {{s * a[0], s * a[1], s * a[2]}};
 }
-double dot(const Vector& a, const Vector& b)
+double inner(const Vector& a, const Vector& b)
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
-Vector cross(const Vector& a, const Vector& b)
+Vector vector_product(const Vector& a, const Vector& b)
 {
   Vector out;
   dolfinx_impact::cross(a.v, b.v, out.v);
@@ -46,7 +47,7 @@ Vector cross(const Vector& a, const Vector& b)
 }
 double length(const Vector& a)
 {
-  return std::sqrt(dot(a, a));
+  return std::sqrt(inner(a, a));
 }
 Vector unit(const Vector& a)
 {
@@ -165,7 +166,7 @@ private:
       // By the diagonals of a quadrilateral: its normal at the centre, whichever its corners.
       const Vector* x = _positions.data() + f * n;
       const Vector a = n == 4 ? x[3] - x[0] : x[1] - x[0], b = n == 4 ? x[2] - x[1] : n == 3 ? x[2] - x[0] : up();
-      _normals.push_back(_sign[f] * unit(cross(a, b)));
+      _normals.push_back(_sign[f] * unit(vector_product(a, b)));
     }
   }
 
@@ -193,7 +194,7 @@ private:
     return {int(f) * _corners + k[0], int(f) * _corners + k[1]};
   }
 
-  bool continues(std::size_t f, std::size_t g) const { return dot(_normals[f], _normals[g]) >= _least; }
+  bool continues(std::size_t f, std::size_t g) const { return inner(_normals[f], _normals[g]) >= _least; }
 
   /// Facets that share an edge (in the plane: a node), and whether they go into each other smoothly: then their
   /// corners there belong together.
@@ -287,7 +288,7 @@ private:
           e[1] = up();
           sign = k % _corners ? -sign : sign;
         }
-        fan.mean = fan.mean + sign / (dot(e[0], e[0]) * dot(e[1], e[1])) * cross(e[0], e[1]);
+        fan.mean = fan.mean + sign / (inner(e[0], e[0]) * inner(e[1], e[1])) * vector_product(e[0], e[1]);
       }
       fan.mean = length(fan.mean) > 0.0 ? unit(fan.mean) : _normals[fan.corners.front() / _corners];
       fan.normal = fan.mean;
@@ -306,12 +307,12 @@ private:
   {
     const Vector m = fan.mean, e = fan.spokes.front().e;
     Vector t[2];
-    t[0] = unit(e - dot(e, m) * m);
-    t[1] = cross(m, t[0]);
+    t[0] = unit(e - inner(e, m) * m);
+    t[1] = vector_product(m, t[0]);
     double a[3] = {0.0, 0.0, 0.0}, b[2] = {0.0, 0.0}; // symmetric: 00, 11, 01
     const auto add = [&](const Vector& direction, double value)
     {
-      const double x = dot(direction, t[0]), y = dot(direction, t[1]), right = value - dot(direction, m);
+      const double x = inner(direction, t[0]), y = inner(direction, t[1]), right = value - inner(direction, m);
       a[0] += x * x;
       a[1] += y * y;
       a[2] += x * y;
@@ -324,15 +325,15 @@ private:
       if (_fans[spoke.far].known)
       {
         const Vector along = unit(spoke.e);
-        add(along, -dot(along, _fans[spoke.far].normal));
+        add(along, -inner(along, _fans[spoke.far].normal));
       }
       if (spoke.count == 1)
         rim.push_back(&spoke);
     }
-    if (_element.tdim() == 2 && rim.size() == 2 && -dot(unit(rim[0]->e), unit(rim[1]->e)) >= _least)
+    if (_element.tdim() == 2 && rim.size() == 2 && -inner(unit(rim[0]->e), unit(rim[1]->e)) >= _least)
     {
       const Vector &c = rim[0]->e, &d = rim[1]->e;
-      add(unit(1.0 / dot(c, c) * c - 1.0 / dot(d, d) * d), 0.0);
+      add(unit(1.0 / inner(c, c) * c - 1.0 / inner(d, d) * d), 0.0);
     }
     const double half = 0.5 * (a[0] + a[1]);
     const double least = _element.tdim() == 1 ? a[0] : half - std::hypot(0.5 * (a[0] - a[1]), a[2]);
@@ -343,7 +344,7 @@ private:
     const double determinant = a[0] * a[1] - a[2] * a[2];
     const Vector n =
         unit(m + (a[1] * b[0] - a[2] * b[1]) / determinant * t[0] + (a[0] * b[1] - a[2] * b[0]) / determinant * t[1]);
-    fan.normal = dot(n, m) >= _least ? n : m;
+    fan.normal = inner(n, m) >= _least ? n : m;
     return true;
   }
 
@@ -369,7 +370,7 @@ private:
       if (!std::isfinite(size) || size == 0.0)
         continue;
       const Vector given = 1.0 / size * _given[k];
-      const double along = dot(given, _normals[k / _corners]);
+      const double along = inner(given, _normals[k / _corners]);
       if (along < inward)
         throw std::invalid_argument("a normal given for a smooth surface points into the body, at (" +
                                     std::to_string(X(int(k))[0]) + ", " + std::to_string(X(int(k))[1]) +
@@ -390,7 +391,7 @@ private:
     const double size = length(chord);
     // Slope of the curve at its ends: for Nagata's parabola four times the height over the chord. The height of the
     // arc of a circle with these slopes is a better one.
-    const double slope = -0.5 * dot(n - o, chord) / (dot(n, middle) * size);
+    const double slope = -0.5 * inner(n - o, chord) / (inner(n, middle) * size);
     return {middle, 0.5 * size * slope / (1.0 + std::sqrt(1.0 + slope * slope))};
   }
 
@@ -406,7 +407,7 @@ private:
         {
           // A sharp edge is one curve, too: its height above each of the two facets is that facet's.
           const auto [o, other] = bulge(partner / _edges, partner % _edges);
-          const double along = dot(m, o), rest = 1.0 - along * along;
+          const double along = inner(m, o), rest = 1.0 - along * along;
           if (rest > 0.01)
             offset = (height - along * other) / rest * m + (other - along * height) / rest * o;
         }

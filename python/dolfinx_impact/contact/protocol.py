@@ -20,14 +20,12 @@ The order of the calls in one increment of Newton's method:
 
 from typing import Protocol, runtime_checkable
 
-from dolfinx import la
 from dolfinx.fem import Function, FunctionSpace
 from petsc4py import PETSc
 
 from .. import _cpp
 from ..amplitude import Amplitude
 from ..common.types import BoolArray, FloatArray, IntArray
-from ..materials import Material
 from .pair import ContactPair
 
 
@@ -71,35 +69,9 @@ class StaticContactProblem(ContactProblem, Protocol):
 
 
 class ExplicitContactProblem(ContactProblem, Protocol):
-    """What a contact reads of an explicit problem.
+    """What a contact reads of an explicit problem."""
 
-    Attributes:
-        mass: lumped mass by degrees of freedom [M].
-        material: material of the bodies; None for a residual of one's own.
-    """
-
-    mass: la.Vector
-    material: Material | None
     _cpp_object: _cpp.problems.ExplicitProblem
-
-    @property
-    def time(self) -> float:
-        """Present time [T]."""
-
-    @property
-    def step(self) -> int:
-        """Number of steps since the start."""
-
-    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
-        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
-        the undeformed bodies. Collective.
-
-        Args:
-            nodes: mask of the nodes that are asked for, owned and ghosts.
-
-        Returns:
-            Sums, owned and ghosts; zero where the cells have no stiffness [F/L].
-        """
 
 
 @runtime_checkable
@@ -428,20 +400,6 @@ class ExplicitContact(Protocol):
     @property
     def kinematic(self) -> bool:
         """Whether the contact has no springs."""
-
-    def check_start(self) -> None:
-        """Refuse bodies that penetrate by more than half a facet. Collective.
-
-        Raises:
-            ValueError: on all ranks.
-        """
-
-    def spring_frequency(self) -> float:
-        """Upper bound of the angular frequency that given contact stiffness adds. Collective.
-
-        Returns:
-            The bound, 0 without given stiffness [1/T].
-        """
 
     def sides(self) -> list[_cpp.nodal.NodeToSurface]:
         """C++ contacts of this pair.

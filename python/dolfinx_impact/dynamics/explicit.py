@@ -4,19 +4,17 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
-from mpi4py import MPI
 
 from .. import _cpp
 from ..added_mass import AddedMass
 from ..amplitude import Amplitude, PrescribedMotion
-from ..assembly import operators, problem_arguments
+from ..assembly import problem_arguments
 from ..assembly.body_stress import BodyStress
 from ..assembly.fields import check_inertia
 from ..assembly.history import MaterialHistory
@@ -29,7 +27,6 @@ from ..common.memory import free_garbage
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..common.unique import claim
 from ..common.units import Units
-from ..contact.explicit.springs import stiffness
 from ..forms.compiler.frontend import check_kinds
 from ..foundation import Foundation
 from ..io.mesh_check import check_cells
@@ -54,7 +51,7 @@ from .time_stepper import TimeStepper
 from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
-    from ..contact.explicit.nodal import Kinematic, NodalResult
+    from ..contact.explicit.nodal import Kinematic, NodalPair
     from ..contact.penalty.penalty import Penalty
     from ..rolling.problem import RollingProblem
     from ..statics.problem import StaticProblem
@@ -193,12 +190,12 @@ class ExplicitProblem(TransientProblem):
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
-        self.contact: tuple[NodalResult, ...] = tuple([c._bind_explicit(self) for c in contact])
+        self.contact: tuple[NodalPair, ...] = tuple([c._bind_explicit(self) for c in contact])
         alpha, beta = self.damping.alpha, self.damping.beta
-        self._damping_of_all = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
+        uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
-            bodies.body(self._damping_of_all), motions, dead,
+            bodies.body(uniform), motions, dead,
             [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
@@ -215,8 +212,7 @@ class ExplicitProblem(TransientProblem):
         )  # fmt: skip
         self._calls = AdvanceCalls()
         self._stepper = TimeStepper(
-            self._cpp_object, mesh, functions, inputs, self._state, self.contact, RotationWarning(material),
-            self.unsolved_points,
+            self._cpp_object, mesh, functions, inputs, self._state, RotationWarning(material), self.unsolved_points,
         )  # fmt: skip
         if residual is not None:
             stiffness_of_mass = self.mass.array[: self.num_owned] * (2.0 / safe.value) ** 2
@@ -290,27 +286,23 @@ class ExplicitProblem(TransientProblem):
         one that was taken [T]."""
         return float(self._cpp_object.integrator.contact_step)
 
-    def restart_forces(self) -> None:
-        """Compute the forces of the start once more, after contacts have got a history. Collective."""
-        self._stepper.start()
+    def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
+        """Compute the forces of the start once more, after contacts have got a history. Collective.
+
+        Args:
+            equilibrium: bodies and contacts in equilibrium, whose internal variables the materials and whose forces the
+                springs begin with; bodies that press are moved against their master for it. None: there is none.
+
+        Raises:
+            RuntimeError: the springs do not bear the static force; on all ranks.
+        """
+        self._stepper.start(equilibrium)
 
     def __repr__(self) -> str:
         size = self.space.dofmap.index_map.size_global * self.space.dofmap.index_map_bs
         what = "residual of its own" if self.material is None else repr(self.material)
         parts = f"{len(self.loads)} loads, {len(self.contact)} contacts"
         return f"ExplicitProblem({size} unknowns, {what}, {parts}, step {self.step}, time {self.time:g})"
-
-    def frequency_stiffness(self, nodes: BoolArray) -> FloatArray:
-        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, in
-        the undeformed bodies, without foundations. Collective.
-
-        Args:
-            nodes: mask of the nodes that are asked for, owned and ghosts.
-
-        Returns:
-            Sums, owned and ghosts, right at these nodes; zero where cells have no stiffness [F/L].
-        """
-        return self._frequencies.nodal_stiffness(nodes)
 
     def _check_viscosity(self, factors: tuple[float, float] | None) -> tuple[float, float]:
         if factors is None:
@@ -539,30 +531,10 @@ class ExplicitProblem(TransientProblem):
         same(self.comm, "stable_step", method=method)
         if method not in METHODS:
             raise ValueError(f"method {method!r} is unknown: use one of {', '.join(METHODS)}")
-        if method == "length":
-            if self.material is None:
-                raise ValueError("L/c_d needs a material: use method 'element' or 'eigenvalue'")
-            smallest = float(np.min(self._cell_times(), initial=np.inf))
-            omega = 2.0 / self.comm.allreduce(smallest, MPI.MIN)
-        elif method == "element":
-            smallest = float(np.min(self.steps_by_cell(*self.frequencies_by_cell()), initial=np.inf))
-            return self.comm.allreduce(smallest, MPI.MIN)
-        else:
-            inverse = 1.0 / self.mass.array[: self.num_owned]
-            inverse[self.prescribed[: self.num_owned]] = 0.0
-            matrix = stiffness(self.contact, self.space, self.u.x.array)
-            if self._frequencies.damps:
-                found = self._frequencies.critical_step(inverse, matrix, self._damping_of_all, self.stable_step())
-            else:
-                omega = self._frequencies.highest(inverse, matrix)
-            if matrix is not None:
-                matrix.destroy()
-            if self._frequencies.damps:
-                return found
-        if method == "length":
-            omega = math.hypot(omega, *(c.spring_frequency() for c in self.contact))
-        scheme = getattr(_cpp.integrators.Scheme, self.scheme)
-        return float(_cpp.problems.stable_step(omega**2, 0.0, self._damping_of_all, scheme))
+        if method == "length" and self.material is None:
+            raise ValueError("L/c_d needs a material: use method 'element' or 'eigenvalue'")
+        self._frequencies.update()
+        return float(self._cpp_object.stable_step(getattr(_cpp.problems.StableStepMethod, method)))
 
     def frequencies_by_cell(self, only: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
         """Largest eigenvalues of owned cells at the present state; see Frequencies.by_cell. Collective.
@@ -590,13 +562,3 @@ class ExplicitProblem(TransientProblem):
         """
         steps: FloatArray = self._cpp_object.safe_step.steps(squares, rates)
         return steps
-
-    def _cell_times(self) -> FloatArray:
-        """Time that a dilatational wave takes through each owned cell, (num_cells) [T]."""
-        assert self.material is not None  # checked by stable_step
-        mesh = self.space.mesh
-        times = cell_sizes(mesh) / self.space.element.basix_element.degree
-        for tag, m in self.material.parts():
-            cells = operators.entities_of(mesh, "cell", -1 if tag is None else tag, self.material.cell_tags)
-            times[cells] /= m.wave_speed
-        return times

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -24,12 +25,12 @@ from ..assembly.quadrature_degree import warn_of_degree
 from ..assembly.residual import check_hypothesis, differentiable, split
 from ..common.arguments import number
 from ..common.described import Described
-from ..common.types import BoolArray
+from ..common.types import BoolArray, FloatArray
 from ..forms import viscosity
 from ..forms.quadrature import with_rules
 from ..foundation import dashpot_form, spring_form
 from ..loads import Load
-from ..materials import MaterialMap, Rayleigh, _Material
+from ..materials import Material, MaterialMap, Rayleigh, _Material
 from .stable_step import Frequencies
 
 KINDS = _cpp.integrators.WorkKind
@@ -231,4 +232,30 @@ class ExplicitBodies(Described):
         )  # fmt: skip
         for term, kind in zip(self.terms[1:], self._kinds):
             body.add_term(term.forces(), kind)
+        frequencies = self.frequencies
+        damping_matrix = None if frequencies.damping_form is None else partial(assembled, frequencies.damping_form)
+        body.set_matrices(partial(assembled, frequencies.tangent), damping_matrix)
+        if self.material is not None:
+            body.set_elasticity(*self._elasticity(self.material))
         return body
+
+    def _elasticity(self, material: Material) -> tuple[FloatArray, FloatArray]:
+        """Modulus of uniaxial strain [F/L^2] and speed of waves [L/T] of each owned cell."""
+        mesh = self.u.function_space.mesh
+        moduli = np.zeros(mesh.topology.index_map(mesh.topology.dim).size_local)
+        speeds = np.zeros_like(moduli)
+        for tag, m in material.parts():
+            cells = operators.entities_of(mesh, "cell", -1 if tag is None else tag, material.cell_tags)
+            moduli[cells], speeds[cells] = m.p_wave_modulus, m.wave_speed
+        return moduli, speeds
+
+
+def assembled(form: ufl.Form) -> _cpp.operators.KernelTangent:
+    """A matrix of a bilinear form at the present state, a new one with each call. Collective.
+
+    Args:
+        form: UFL form of rank 2.
+    """
+    tangent = operators.Tangent(form)
+    tangent.assemble().destroy()  # the reference of petsc4py, the object keeps its own
+    return tangent._cpp_object

@@ -10,11 +10,11 @@ from dolfinx.fem import DirichletBC
 
 from .. import _cpp
 from ..amplitude import Amplitude, PrescribedMotion
-from ..statics import newton
+from ..contact import in_cpp
 from .functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
-    from ..contact.explicit.nodal import NodalResult
+    from ..contact.explicit.nodal import NodalPair
     from ..contact.mortar.lagrange import LagrangeContact
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
@@ -35,7 +35,7 @@ def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOf
     return _cpp.problems.PrescribedMotion(bc.bc._cpp_object, bc.amplitude.sample(np.zeros(1))[0])
 
 
-def contact_in_time(contact: NodalResult, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
+def contact_in_time(contact: NodalPair, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
     """A contact.
 
     Args:
@@ -49,7 +49,7 @@ def contact_in_time(contact: NodalResult, functions: FunctionsOfTime) -> _cpp.pr
     if contact.motion is not None:
         functions.add(contact.motion)
         start = contact.motion.sample(np.zeros(1))[0]
-    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.spring_frequency())
+    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start)
 
 
 def implicit_contact(
@@ -64,7 +64,7 @@ def implicit_contact(
     Returns:
         The C++ object, which has the master's displacement at the start.
     """
-    right = newton.contact_in_cpp(contact)
+    right = in_cpp.contact_in_cpp(contact)
     if not contact.pair.rigid:
         return _cpp.problems.ImplicitContact(right, None, None)
     master = contact.pair.rigid_master

@@ -56,6 +56,7 @@ class Restart(Checkpoints):
 
     more = ("schedule", "functions of time", *TABLES)
     equal = ("common",)
+    infinite = ("common", "results")  # a step that nothing limits, gaps of nodes without a master
 
     def __init__(self, problem: StartedProblem, stepper: TimeStepper) -> None:
         super().__init__(in_time(problem))
@@ -75,8 +76,7 @@ class Restart(Checkpoints):
         return self._with(self._cpp_object.empty_state())
 
     def _with(self, run: _cpp.state.State) -> _cpp.state.State:
-        """The state of the C++ problem, with internal variables and results of contacts."""
-        checkpoints.add_history(run, self.problem)
+        """The state of the C++ problem, with results of contacts."""
         for k, contact in enumerate(self.problem.contact):
             for part in contact.results_state():
                 part.rename(f"{part.name}{k}")
@@ -152,7 +152,6 @@ class Restart(Checkpoints):
         """Set the problem to the state that was read; this raises no exceptions. Collective."""
         # The present constants, functions and loads are those of the state that was read.
         self.stepper.inputs.update_all()
-        checkpoints.set_history(saved, self.problem)
         self.stepper.resume(saved, checked)
         self.stepper.state.update()
         for k, contact in enumerate(self.problem.contact):

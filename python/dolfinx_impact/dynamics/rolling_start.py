@@ -18,7 +18,6 @@ from ..materials import LinearElastic
 from ..plasticity import J2Plasticity
 from ..rolling.motions import Spin, Translation
 from ..rolling.problem import RollingProblem
-from .spring_start import SpringStart
 from .started_problem import StartedProblem
 
 ALONG = 1e-12  # of a unit vector: an axis is a coordinate axis
@@ -155,12 +154,12 @@ def make(
     problem = build(u)
     if not rolling.contact:
         return problem
-    steady = rolling.contact[0]
-    nodes = _cpp.operators.nodes_of_bodies(rolling.u.function_space._cpp_object, problem.contact[0].nodes)
-    start = SpringStart(steady, nodes, problem)
+    steady = rolling.contact[0]._cpp_object
+    start = _cpp.problems.SpringStart(steady, problem._cpp_object, 0, supports_move=True)
     moved = fem.Function(u.function_space, name=u.name)
-    moved.x.array[:] = start.moved(u.x.array, start.approach())
+    moved.x.array[:] = u.x.array
+    start.move(moved.x.array, start.approach())
     problem = build(moved)
-    SpringStart(steady, start.nodes, problem).hand_over()
+    _cpp.problems.SpringStart(steady, problem._cpp_object, 0, supports_move=True).hand_over()
     problem.restart_forces()
     return problem

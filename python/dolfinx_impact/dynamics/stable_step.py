@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Stable steps of explicit integration: seed (3.78)-(3.80), docs/explicit/stable_step.md."""
 
-import math
 import warnings
 from collections.abc import Callable
 from typing import TypeAlias
@@ -11,7 +10,6 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
-from petsc4py import PETSc
 from ufl.algorithms import extract_coefficients
 
 from .. import _cpp
@@ -22,8 +20,7 @@ from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import common
 from ..common.types import BoolArray, FloatArray, IntArray
 
-METHODS = ("length", "element", "eigenvalue")
-TOLERANCE = 1e-8  # relative, of the largest eigenvalue
+METHODS = tuple(_cpp.problems.StableStepMethod.__members__)
 
 CellMasses: TypeAlias = list[tuple[IntArray, FloatArray]]  # of lumped_mass.cell_masses
 
@@ -54,6 +51,8 @@ class Frequencies:
 
     Attributes:
         stiffness: cell matrices of the tangent.
+        tangent: as given.
+        damping_form: as given, `damping`.
     """
 
     def __init__(
@@ -69,7 +68,7 @@ class Frequencies:
         shape = V.mesh.topology.index_map(V.mesh.topology.dim).size_local, V.dofmap.bs * V.dofmap.dof_layout.num_dofs
         motion = (u, velocity)
         self.stiffness = CellMatrices(u, tangent, motion)
-        self._damping_form = damping
+        self.damping_form = damping
         self._damping = None if damping is None else CellMatrices(u, damping, motion)
 
         def by_cell() -> FloatArray:  # it does not know this object, which has it
@@ -156,25 +155,6 @@ class Frequencies:
         squares, rates = self._cpp_object.by_cell(only)
         return squares, rates
 
-    def nodal_stiffness(self, nodes: BoolArray) -> FloatArray:
-        """Sum over the cells at a node of its mass in the cell times the square of the cell's highest frequency, at
-        rest: displacement zero, facets left out. Collective.
-
-        Args:
-            nodes: mask of the nodes that are asked for, owned and ghosts.
-
-        Returns:
-            Sums, owned and ghosts, right at these nodes; zero without stiffness, or if it is not a number [F/L].
-        """
-        given = self.u.x.array.copy()
-        self.u.x.array[:] = 0.0
-        try:
-            self.update()
-            found: FloatArray = self._cpp_object.nodal_stiffness(np.ascontiguousarray(nodes))
-        finally:
-            self.u.x.array[:] = given
-        return found
-
     def check_signs(self, free: BoolArray) -> None:
         """Refuse a stiffness or damping of the wrong sign. Collective.
 
@@ -213,8 +193,8 @@ class Frequencies:
                 check_curvature(K.assemble(), free)
                 K.matrix.destroy()
             if matrices is self._damping and matrices.joins_cells and self.comm.allreduce(doubtful, MPI.LOR):
-                assert self._damping_form is not None  # these are its matrices
-                C = operators.Tangent(self._damping_form)
+                assert self.damping_form is not None  # these are its matrices
+                C = operators.Tangent(self.damping_form)
                 lowest, highest = extremes(C.assemble(), free)
                 C.matrix.destroy()
                 if -lowest > WRONG * max(-lowest, highest):
@@ -229,112 +209,3 @@ class Frequencies:
                         "half a step late it feeds in energy, which energy['damping'] tells",
                         stacklevel=4,
                     )
-
-    def bound(self) -> float:
-        """Upper bound of the angular frequencies of the body. Collective.
-
-        Returns:
-            Angular frequency [1/T].
-
-        Raises:
-            ValueError: the stiffness of a cell is not finite; on all ranks.
-        """
-        largest = float(np.max(self.by_cell()[0], initial=0.0))
-        return math.sqrt(self.comm.allreduce(largest, MPI.MAX))
-
-    def highest(self, inverse_mass: FloatArray, extra: PETSc.Mat | None = None) -> float:
-        """Highest angular frequency of the assembled system, by SLEPc's Krylov-Schur method. Collective.
-
-        Args:
-            inverse_mass: inverse lumped mass over owned degrees of freedom, zero where motion is prescribed [1/M].
-            extra: matrix that is added to the stiffness; None: nothing [F/L].
-
-        Returns:
-            Angular frequency [1/T].
-
-        Raises:
-            RuntimeError: the eigenvalue solver does not converge.
-        """
-        matrix, root = self._scaled(self.tangent, inverse_mass, extra)
-        value, vector = largest_eigenvalue(matrix)
-        for thing in (vector, root, matrix):
-            thing.destroy()
-        return math.sqrt(max(value, 0.0))
-
-    def critical_step(
-        self, inverse_mass: FloatArray, extra: PETSc.Mat | None, uniform: _cpp.problems.UniformDamping, start: float
-    ) -> float:
-        """Stable step of the assembled system with damping that differs between cells. Collective.
-
-        At the stable step dt the largest eigenvalue of dt^2/4 K + dt/2 C over the mass is one. Each iteration computes
-        the eigenvector of the largest eigenvalue at the present step, then the step at which this vector's Rayleigh
-        quotient is one. The stable step is the minimum over all vectors, so that the iterates decrease to it.
-
-        Args:
-            inverse_mass: inverse lumped mass over owned degrees of freedom, zero where motion is prescribed [1/M].
-            extra: matrix that is added to the stiffness; None: nothing [F/L].
-            uniform: damping of all cells alike; bulk viscosity takes part in the step of a vector, not in the search
-                for it.
-            start: step that the iteration starts from [T].
-
-        Returns:
-            Stable step [T].
-
-        Raises:
-            RuntimeError: the eigenvalue solver does not converge.
-        """
-        K, root = self._scaled(self.tangent, inverse_mass, extra)
-        C, other = self._scaled(self._damping_form, inverse_mass, None)
-        transposed = C.copy()
-        transposed.transpose()
-        C.axpy(1.0, transposed)
-        C.scale(0.5)
-        dt = start
-        for _ in range(30):
-            matrix = K.copy()
-            matrix.scale(0.25 * dt**2)
-            matrix.axpy(0.5 * dt, C)
-            matrix.axpy(0.5 * dt * uniform.beta, K)
-            matrix.shift(0.5 * dt * uniform.alpha)
-            _, x = largest_eigenvalue(matrix)
-            y = x.duplicate()
-            K.mult(x, y)
-            square = max(x.dot(y).real, 0.0)
-            C.mult(x, y)
-            half = 0.5 * (max(x.dot(y).real, 0.0) + uniform.rate(square))
-            old, dt = dt, 2.0 / (half + math.sqrt(half**2 + square))
-            for thing in (x, y, matrix):
-                thing.destroy()
-            if abs(dt - old) <= 1e-9 * dt:
-                break
-        for thing in (K, C, transposed, root, other):
-            thing.destroy()
-        return dt
-
-    def _scaled(self, form: ufl.Form, inverse_mass: FloatArray, extra: PETSc.Mat | None) -> tuple[PETSc.Mat, PETSc.Vec]:
-        """Matrix of a form, scaled by the root of the inverse mass from both sides, and that root."""
-        matrix = operators.Tangent(form).assemble()
-        if extra is not None:
-            matrix.axpy(1.0, extra)
-        root = matrix.createVecRight()
-        root.array[:] = np.sqrt(inverse_mass)
-        matrix.diagonalScale(root, root)
-        return matrix, root
-
-
-def largest_eigenvalue(matrix: PETSc.Mat) -> tuple[float, PETSc.Vec]:
-    """Largest eigenvalue of a symmetric matrix. Collective.
-
-    Args:
-        matrix: symmetric matrix.
-
-    Returns:
-        Eigenvalue, and eigenvector of norm one.
-
-    Raises:
-        RuntimeError: the eigenvalue solver does not converge.
-    """
-    found: tuple[float, PETSc.Vec] | None = _cpp.solve.largest_eigenvalue(matrix, None, TOLERANCE)
-    if found is None:
-        raise RuntimeError("the highest frequency was not found: use stable_step(method='element')")
-    return found

@@ -41,5 +41,9 @@ class StartedProblem(Problem, Protocol):
     def contact_step(self) -> float:
         """Step for which contact springs that follow from it are made [T]."""
 
-    def restart_forces(self) -> None:
-        """Compute the forces of the start once more, after contacts have got a history. Collective."""
+    def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
+        """Compute the forces of the start once more, after contacts have got a history. Collective.
+
+        Args:
+            equilibrium: what materials and springs begin with; None: nothing.
+        """

@@ -6,17 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 from dolfinx import fem
-from mpi4py import MPI
 
-from .. import _cpp
 from ..assembly import problem_arguments
-from ..common.types import BoolArray, IntArray
 from ..contact.penalty.penalty import Penalty
-from ..io.checkpoints import State, add_history, set_history
 from ..statics.problem import StaticProblem
-from .spring_start import SpringStart
 from .started_problem import StartedProblem
 
 
@@ -49,18 +43,6 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
             raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")
 
 
-def free_directions(problem: StartedProblem, nodes: IntArray) -> BoolArray:
-    """Directions in which no node of a body is held, (gdim). Collective.
-
-    Args:
-        problem: the explicit problem.
-        nodes: of the body, owned and ghosts.
-    """
-    gdim = problem.space.mesh.geometry.dim
-    held = problem.prescribed.reshape(-1, gdim)[nodes].sum(axis=0)
-    return np.asarray(problem.comm.allreduce(held, MPI.SUM)) == 0
-
-
 def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict[str, Any]) -> Any:
     """Make the explicit problem; arguments are checked. Collective.
 
@@ -70,33 +52,8 @@ def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict
         given: further arguments of the explicit problem.
     """
     V = static.u.function_space
-    history = State("history")
-    add_history(history, static)
-    given = {"velocity": fem.Function(V, name="velocity"), **given}
-
-    def build(u: fem.Function) -> StartedProblem:
-        problem = kind(u, static.material, **given)
-        set_history(history, problem)
-        return problem
-
     u = fem.Function(V, name=static.u.name)
     u.x.array[:] = static.u.x.array
-    problem = build(u)
-    bearing = [k for k, c in enumerate(static.contact) if V.mesh.comm.allreduce(int(np.any(c.pressure > 0.0)))]
-    bodies = {}
-    for k in bearing:
-        slave, _ = static.contact[k].pair.surfaces(V)
-        nodes = _cpp.operators.nodes_of_bodies(V._cpp_object, np.unique(slave.nodes))
-        start = SpringStart(static.contact[k], nodes, problem, free_directions(problem, nodes), k)
-        u.x.array[:] = start.moved(u.x.array, start.approach())
-        bodies[k] = start
-    if bearing:
-        moved = fem.Function(V, name=static.u.name)
-        moved.x.array[:] = u.x.array
-        problem = build(moved)
-    for k, start in bodies.items():
-        # Static springs are compressed like these ones: the approach is enough, and leaves no offset behind.
-        if static.contact[k].has_multipliers:
-            SpringStart(static.contact[k], start.nodes, problem, None, k).hand_over()
-    problem.restart_forces()
+    problem = kind(u, static.material, **{"velocity": fem.Function(V, name="velocity"), **given})
+    problem.restart_forces(static.equilibrium)
     return problem

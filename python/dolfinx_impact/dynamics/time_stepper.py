@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import warnings
 import zlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 from dolfinx.mesh import Mesh
@@ -17,7 +17,6 @@ from ..common.collective import agree, attempt, common, is_common
 from ..common.interrupts import Interrupts
 from ..common.arguments import number
 from ..common.types import FloatArray
-from ..contact.protocol import ExplicitContact
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
@@ -39,7 +38,6 @@ class TimeStepper:
         functions: functions of time of loads, supports and obstacles.
         inputs: values that a user may change between steps.
         state: state that callbacks see.
-        contacts: contacts of the problem.
         rotation: warning of turning bodies.
         unsolved: tells which local equations were not solved; an empty text if all were.
 
@@ -56,7 +54,6 @@ class TimeStepper:
         functions: FunctionsOfTime,
         inputs: Inputs,
         state: CurrentState,
-        contacts: Sequence[ExplicitContact],
         rotation: RotationWarning,
         unsolved: Callable[[], str],
     ) -> None:
@@ -65,7 +62,7 @@ class TimeStepper:
         self.functions, self.inputs, self.state, self.history = functions, inputs, state, state.history
         self.recorders: list[Recorder] = []
         self.unsolved = unsolved
-        self._contacts, self._rotation = contacts, rotation
+        self._rotation = rotation
         self._mesh_fingerprint = self._fingerprint()
         self._callback: Callable[[], object] | None = None
         self._interrupts: Interrupts | None = None
@@ -114,14 +111,21 @@ class TimeStepper:
         """Frequencies of the cells of bodies whose stiffness depends on the displacement; None: it does not."""
         return self._cpp_object.safe_step.watch
 
-    def start(self) -> None:
+    def start(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
         """Compute the forces of the start, from the functions of displacement and velocity. Collective.
+
+        Args:
+            equilibrium: what materials and springs begin with; see ExplicitProblem.restart_forces.
 
         Raises:
             ValueError: bodies overlap too much; on all ranks.
+            RuntimeError: springs do not bear the static force; on all ranks.
         """
         self.state.share.begin_anew()
-        self._raise(self._cpp_object.start(self))
+        if equilibrium is None:
+            self._raise(self._cpp_object.start(self))
+        else:
+            self._raise(_cpp.problems.start_from_equilibrium(self._cpp_object, equilibrium, self))
         self.state.update()
 
     def resume(self, saved: _cpp.state.State, schedule: StepSchedule | None) -> None:
@@ -261,15 +265,6 @@ class TimeStepper:
         found, error = attempt(self.functions.table, times)
         agree(self.comm, error, "functions of time")
         return np.ascontiguousarray(found).ravel()
-
-    def check_start(self) -> None:
-        """Refuse bodies that overlap at the start. Collective.
-
-        Raises:
-            ValueError: on all ranks.
-        """
-        for contact in self._contacts:
-            contact.check_start()
 
     def add_rows(self, times: FloatArray, steps: FloatArray) -> None:
         """Take note of steps that were made.

@@ -4,22 +4,19 @@
 from __future__ import annotations
 
 import abc
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from .. import _cpp
-from ..assembly.history import MaterialHistory
 from ..common import arguments
 from ..common.collective import agree, attempt, guard
 from ..common.interrupts import Interrupts
 from ..common.types import AnyArray, FilePath
-from . import state_file
-from .checkpoint import Attribute, Subject
+from . import checkpoint
+from .checkpoint import Attribute, Place, State, Subject
 from .signature import Functions, functions_of_time
-from .state_file import Place, State
 
 SAME = 1e-12  # relative tolerance for values of functions of time: another library version may round differently
 
@@ -31,18 +28,6 @@ class Flushes(Protocol):
         """Write it. Collective."""
 
 
-class HasHistory(Protocol):
-    """A problem whose material may have internal variables."""
-
-    @property
-    def has_history(self) -> bool:
-        """Whether a material has internal variables."""
-
-    @property
-    def history(self) -> MaterialHistory:
-        """Internal variables of the materials."""
-
-
 class Checkpoints(abc.ABC):
     """Saves and restores a problem. A subclass says what the state is and how the problem goes on from one.
 
@@ -52,10 +37,12 @@ class Checkpoints(abc.ABC):
     Attributes:
         more: names of the attributes beside the state.
         equal: names of the state's vectors of ranks that are equal on all ranks.
+        infinite: names, up to digits at their ends, of parts and fields that may have infinite values.
     """
 
     more: ClassVar[Sequence[str]] = ()
     equal: ClassVar[Sequence[str]] = ()
+    infinite: ClassVar[Sequence[str]] = ()
 
     def __init__(self, subject: Subject) -> None:
         self.subject, self.comm = subject, subject.space.mesh.comm
@@ -76,7 +63,7 @@ class Checkpoints(abc.ABC):
             arguments.path("path", path)
             self._check_kind("save")
         with Interrupts(self.comm) as interrupts:
-            state_file.write(path, self.subject, self._state(), self._attributes())
+            checkpoint.write(path, self.subject, self._state(), self._attributes())
             self._forget()
             for recorder in self._recorders():
                 recorder.flush()
@@ -98,7 +85,7 @@ class Checkpoints(abc.ABC):
             arguments.path("path", path)
             self._check_kind("restore")
         with Interrupts(self.comm) as interrupts:
-            saved, attributes = state_file.read(path, self.subject, self._like(), self.more, self.equal)
+            saved, attributes = checkpoint.read(path, self.subject, self._like(), self.more, self.equal, self.infinite)
             checked, error = attempt(self._check, path, saved, attributes)
             agree(self.comm, error, "restore")
             self._apply(saved, attributes, checked)
@@ -173,37 +160,6 @@ def number(state: _cpp.state.State, name: str) -> float:
     return value
 
 
-def add_history(state: _cpp.state.State, problem: HasHistory) -> None:
-    """Add internal variables as a part: a row of all points of a cell for each owned cell.
-
-    Args:
-        state: state that gets them.
-        problem: the problem.
-    """
-    if not problem.has_history:
-        return
-    part = State("material")
-    for name, field in problem.history.items():
-        values = field.values
-        # A rank may own no cells: the number of columns does not follow from the values then.
-        rows = values.reshape(len(values), math.prod(values.shape[1:]))
-        part.add(name, Place.cell, np.ascontiguousarray(rows))
-    state.add(part)
-
-
-def set_history(saved: _cpp.state.State, problem: HasHistory) -> None:
-    """Set internal variables to those of `add_history`.
-
-    Args:
-        saved: state that has them.
-        problem: the problem.
-    """
-    if not problem.has_history:
-        return
-    for name, field in problem.history.items():
-        field.values = saved.part("material").array(name).reshape(field.values.shape)
-
-
 def check_functions(path: FilePath, saved: AnyArray, functions: Functions, time: float, end: float) -> None:
     """Raise ValueError unless functions of time have the values that were saved.
 
@@ -223,7 +179,4 @@ def check_functions(path: FilePath, saved: AnyArray, functions: Functions, time:
         )
 
 
-__all__ = [
-    "Checkpoints", "Place", "SAME", "State", "add_history", "add_numbers", "check_functions", "number", "refuse",
-    "set_history",
-]  # fmt: skip
+__all__ = ["Checkpoints", "Place", "SAME", "State", "add_numbers", "check_functions", "number", "refuse"]

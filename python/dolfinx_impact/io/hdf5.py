@@ -15,8 +15,8 @@ from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .. import _cpp
 from ..common.types import FilePath
-from . import seal
 
 if TYPE_CHECKING:
     import h5py
@@ -193,7 +193,7 @@ def create(path: FilePath, fill: Callable[[h5py.File], object], sealed: bool = F
     Args:
         path: file to write.
         fill: function that fills the file.
-        sealed: whether checksums of all bytes follow behind the end (seal.py).
+        sealed: whether checksums of all bytes follow behind the end (cpp/dolfinx_impact/files/Seal.h).
 
     Raises:
         OSError: no room, or another failure to write; an earlier file is as it was.
@@ -203,7 +203,7 @@ def create(path: FilePath, fill: Callable[[h5py.File], object], sealed: bool = F
     sketch = Sketch()
     with h5py.File(sketch, "w") as file:
         fill(file)
-    ends = [(sketch.size, seal.table([], sketch.content, sketch.size))] if sealed else []
+    ends = [(sketch.size, _cpp.files.seal(sketch.content(0, sketch.size)))] if sealed else []
     write_whole(path, [*sketch.writes(), *ends])
 
 

@@ -56,7 +56,7 @@ class Pair(Protocol):
 
 
 class Contact(Protocol):
-    """What a signature reads of a contact; see contact.explicit.nodal.NodalResult."""
+    """What a signature reads of a contact; see contact.explicit.nodal.NodalPair."""
 
     @property
     def pair(self) -> Pair:
@@ -147,8 +147,6 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
         "cell": mesh.topology.cell_name(),
         "degree": int(V.element.basix_element.degree),
         "degree of the geometry": int(mesh.geometry.cmap.degree),
-        "num_cells": int(mesh.topology.index_map(mesh.topology.dim).size_global),
-        "num_nodes": int(V.dofmap.index_map.size_global),
         "hypothesis": "axisymmetric" if problem.axisymmetric else "not axisymmetric",
     }
     if problem.material is not None:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,11 @@ from typing import Any
 import numpy as np
 from dolfinx import fem
 
+from .. import _cpp
+from ..common.types import FloatArray
 from ..dynamics.subject import in_time
 from ..io import checkpoint
+from ..io.checkpoint import Place, State
 from ..io.frames import Frames
 from ..io.gather import Gathered, gather_field
 from . import figures
@@ -20,6 +22,14 @@ from .model import JointModel
 from .passage import Frame, Passage
 from .saved_case import SavedCase
 from .stress import NAMES
+
+
+def _frame(displacement: FloatArray, stress: FloatArray) -> _cpp.state.State:
+    """Values at owned nodes as a state: views of arrays with rows by node."""
+    out = State("frame")
+    out.add("displacement", Place.node, displacement)
+    out.add("stress", Place.node, stress)
+    return out
 
 
 class FrameSeries:
@@ -64,10 +74,10 @@ class FrameSeries:
         n = V.dofmap.index_map.size_local
         columns = np.zeros((n + V.dofmap.index_map.num_ghosts, len(NAMES)))
         columns[self._dofs] = np.column_stack([f.x.array for f in self._stress.values()])[self._scalar_dofs]
-        arrays = {"displacement": self._displacement.x.array.reshape(-1, 3)[:n], "stress": columns[:n]}
+        state = _frame(self._displacement.x.array.reshape(-1, 3)[:n], columns[:n])
         moment = {"moment": np.array([frame.time, frame.place])}
         name = f"frame_{len(self.names)}"
-        self._saved.add(name, lambda path: checkpoint.write(path, in_time(run), arrays, {}, {}, {}, moment))
+        self._saved.add(name, lambda path: checkpoint.write(path, in_time(run), state, moment))
         self._keep(name, frame.time, frame.place)
 
     def _keep(self, name: str, time: float, place: float) -> None:
@@ -96,18 +106,18 @@ class FrameSeries:
     def _read(self, passage: Passage, path: Path, keep: Any) -> None:
         run = passage.run
         assert run is not None
-        columns: Mapping[str, int] = {"displacement": 3, "stress": len(NAMES)}
-        found = checkpoint.Reader(path, in_time(run), columns, {}, {}, {}, ["moment"])
         V = run.space
         values = fem.Function(V)
         n = V.dofmap.index_map.size_local
-        self._displacement.x.array.reshape(-1, 3)[:n] = found.arrays["displacement"]
+        like = _frame(np.zeros((n, 3)), np.zeros((n, len(NAMES))))
+        found, attributes = checkpoint.read(path, in_time(run), like, ["moment"])
+        self._displacement.x.array.reshape(-1, 3)[:n] = found.array("displacement")
         self._displacement.x.scatter_forward()
         for k, f in enumerate(self._stress.values()):
-            values.x.array.reshape(-1, 3)[:n, 0] = found.arrays["stress"][:, k]
+            values.x.array.reshape(-1, 3)[:n, 0] = found.array("stress")[:, k]
             values.x.scatter_forward()
             f.x.array[self._scalar_dofs] = values.x.array.reshape(-1, 3)[self._dofs, 0]
-        keep(*found.attributes["moment"].tolist())
+        keep(*attributes["moment"].tolist())
 
     def close(self) -> None:
         """Close frames.bp. Collective."""

@@ -13,12 +13,14 @@ import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
 
+from .. import _cpp
 from ..common.memory import free_garbage
 from ..common.types import AnyArray, FilePath, FloatArray
 from ..contact import Lagrange, Penalty
 from ..dynamics.explicit import ExplicitProblem
 from ..dynamics.subject import in_time
 from ..io import checkpoint
+from ..io.checkpoint import Place, State
 from ..io.gather import gather_rows
 from ..statics.problem import StaticProblem
 from .model import JointModel
@@ -121,6 +123,17 @@ class History:
             [Footprint(float(x), r[:, :3], r[:, 3], r[:, 4]) for x, r in zip(tables["footprint_places"], rows)],
             int(frames),
         )  # fmt: skip
+
+
+def _carried(nodes: Mapping[str, FloatArray], cells: Mapping[str, FloatArray]) -> _cpp.state.State:
+    """What passages hand on as a state: views of arrays at owned nodes and of owned cells by name, rows of numbers."""
+    out, history = State("carried"), State("history")
+    for name, values in nodes.items():
+        out.add(name, Place.node, values)
+    for name, values in cells.items():
+        history.add(name, Place.cell, values)
+    out.add(history)
+    return out
 
 
 def footprint(contact: Any, place: float) -> Footprint | None:
@@ -286,12 +299,11 @@ class Passage:
         """
         run, n = self.run, self.model.V.dofmap.index_map.size_local * 3
         assert run is not None, "preload and start come first"
-        fields = {name: getattr(self, f"_{name}") for name in self.numbers["fields"]}
-        arrays = {name: values[:n].reshape(-1, 3) for name, values in fields.items()}
-        cellwise = {
+        fields = {name: getattr(self, f"_{name}")[:n].reshape(-1, 3) for name in self.numbers["fields"]}
+        cells = {
             name: values.reshape(len(values), math.prod(values.shape[1:])) for name, values in self._history.items()
         }
-        checkpoint.write(path, in_time(run), arrays, {}, cellwise, {}, {})
+        checkpoint.write(path, in_time(run), _carried(fields, cells))
 
     def read_carried(self, path: FilePath, numbers: Mapping[str, Any]) -> None:
         """Read what `write_carried` has written. Collective.
@@ -306,14 +318,21 @@ class Passage:
         """
         V = self.model.V
         run = self.run or self._bare(fem.Function(V, name="displacement"))
-        fields = dict.fromkeys(numbers["fields"], 3)
-        found = checkpoint.Reader(path, in_time(run), fields, {}, numbers["history"], {}, ())
-        for name, values in found.arrays.items():
+        num = V.dofmap.index_map.size_local
+        num_cells = V.mesh.topology.index_map(V.mesh.topology.dim).size_local
+        like = _carried(
+            {name: np.zeros((num, 3)) for name in numbers["fields"]},
+            {name: np.zeros((num_cells, columns)) for name, columns in numbers["history"].items()},
+        )
+        found, _ = checkpoint.read(path, in_time(run), like)
+        for name in numbers["fields"]:
+            values = found.array(name)
             f = fem.Function(V)
             f.x.array[: values.size] = values.ravel()
             f.x.scatter_forward()
             setattr(self, f"_{name}", f.x.array.copy())
-        self._history = {n: v.reshape(run.history[n].values.shape) for n, v in found.cellwise.items()}
+        history = found.part("history")
+        self._history = {n: history.array(n).reshape(run.history[n].values.shape) for n in history.names}
         self._penalty, self.static_force = numbers["penalty"], float(numbers["static_force"])
         if self.run is None and self._unloaded is not None:
             self.u.x.array[:] = self._unloaded

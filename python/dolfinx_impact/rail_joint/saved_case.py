@@ -20,7 +20,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ..common.types import AnyArray
-from ..io import seal
+from .. import _cpp
 from ..io.gather import together
 from ..io.hdf5 import write_whole
 from ..io.run_folder import RunFolder
@@ -83,7 +83,7 @@ class SavedCase:
             try:
                 found = self._opened()
                 self.tables = self._read_tables(found)
-            except (OSError, ValueError, KeyError, TypeError, seal.Damaged) as error:
+            except (OSError, ValueError, KeyError, TypeError, _cpp.files.Damaged) as error:
                 if isinstance(error, _OtherRun):
                     raise ValueError(str(error)) from None
                 raise RuntimeError(
@@ -195,11 +195,7 @@ def _seal(state: Mapping[str, Any]) -> str:
 def _digest(path: Path) -> str:
     """Checksum of a file; of a sealed one that of its seal, which has those of its sections."""
     if path.suffix == ".h5":
-        sealed = seal.Sealed(path)
-        try:
-            return sealed.mark.hex()
-        finally:
-            sealed.close()
+        return _cpp.files.SealedFile(str(path)).mark.hex()
     return hashlib.blake2b(path.read_bytes(), digest_size=16).hexdigest()
 
 

@@ -8,6 +8,7 @@ multipliers of the nodes that touch (ReducedContacts).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,6 @@ from .. import _cpp
 from ..common.interrupts import Interrupts
 from ..common.types import BoolArray, FloatArray
 from ..statics.load_steps import StepLog
-from ..statics.newton import Newton
 from ..statics.problem import StaticProblem
 from .contact import RollingContact
 from .friction_law import Linearised, linearise
@@ -86,7 +86,9 @@ class RollingNewton:
         self._interrupts, self._reduced, self.control = interrupts, reduced, control
         self.contacts: list[RollingContact] = list(problem.contact)  # type: ignore[arg-type]
         # Without friction, to begin with: active sets and forces to start from.
-        self._frictionless = Newton(problem, rtol, atol, max_iterations, lambda *_: interrupts.check())
+        options = _cpp.solve.NewtonOptions().with_database(problem.linear_solver.prefix)
+        options.rtol, options.atol, options.max_iterations = rtol, atol, max_iterations
+        self._frictionless = _cpp.solve.Newton(problem.equilibrium, options)
         self._violation = PETSc.Options(problem.linear_solver.prefix).getReal("contact_tolerance", VIOLATION)
         self.comm, self.num_owned = problem.space.mesh.comm, problem.num_owned
         self.fixed = np.flatnonzero(problem.fixed[: self.num_owned])
@@ -110,11 +112,16 @@ class RollingNewton:
             contact.update_flow()
         if not any(c.num_active for c in self.contacts):
             log("  without friction")
-            result = self._frictionless.run(target, log)
+            result = self._frictionless.run(target, log, log.progress.show, partial(self._iteration, log))
             if result.fault:
                 return result
             log("  with friction")
         return self._with_friction(target, log)
+
+    def _iteration(self, log: StepLog, i: int, norm: float, scale: float, size: int, changes: int) -> None:
+        """An iteration without friction. Collective."""
+        log.iteration(i, norm, scale, size, changes)
+        self._interrupts.check()
 
     def _with_friction(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
         p, result, scale = self.problem, _cpp.solve.Increment(), 0.0

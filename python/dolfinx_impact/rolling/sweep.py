@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from mpi4py import MPI
 
+from .. import _cpp
 from ..common.types import FilePath, FloatArray
 from ..common.collective import agree, attempt
-from ..io import hdf5, seal
+from ..io import hdf5
 from ..io.given_arguments import SUMS, Table
 from .progress import progress_bar
 
@@ -109,7 +110,7 @@ def read(
 
     if not Path(path).exists():
         return [], None
-    seal.Sealed(path).close()
+    _cpp.files.SealedFile(str(path))
     with h5py.File(path, "r") as file:
         if set(file) != {*UNITS, "state"} or any(name not in file for name in STATE):
             raise ValueError(f"{path} is no file of a sweep")
@@ -124,7 +125,7 @@ def read(
     shapes = {name: (num, force) if name == "force" else (num,) for name in UNITS}
     whole = all(found[name].shape == shape and np.all(np.isfinite(found[name])) for name, shape in shapes.items())
     if not whole or values.shape != state.shape or totals.shape != (state.num_totals,):
-        raise seal.Damaged("its tables are not those of a sweep")
+        raise _cpp.files.Damaged("its tables are not those of a sweep")
     if num > len(points["creep"]) or any(np.any(found[name] != points[name][:num]) for name in INPUTS):
         raise ValueError(f"{path} has a sweep over other creepages: remove it, or give another name")
     return [{name: found[name][k] for name in UNITS} for k in range(num)], (values, totals)

@@ -13,7 +13,7 @@ from ..common.cell_numbers import input_cell_numbers
 from ..common.types import FloatArray, IntArray
 from ..contact.nodal_sum import NodalSum
 from ..contact.saved_contacts import add_contacts, resume_contacts
-from ..io.state_file import Block, Place, State, blocks
+from ..io.checkpoint import Place, State
 
 if TYPE_CHECKING:
     from ..statics.problem import StaticProblem
@@ -72,11 +72,11 @@ class SweepState:
         start, saved = 0, self._contacts()
         nodal, of_contacts = _blocks(saved)
         for block in nodal:
-            end = first + sum(block.widths)
+            end = first + block.width
             block.assign(np.ascontiguousarray(values[block.numbers, first:end]))
             first = end
         for block in of_contacts:
-            end = start + sum(block.widths)
+            end = start + block.width
             block.assign(totals[start:end])
             start = end
         resume_contacts(saved, self._problem.contact, u.array)
@@ -86,14 +86,14 @@ class SweepState:
     def shape(self) -> tuple[int, int, int]:
         """Shape of the table that `read` returns."""
         V = self._problem.space
-        width = V.dofmap.index_map_bs + sum(sum(block.widths) for block in _blocks(self._contacts())[0])
+        width = V.dofmap.index_map_bs + sum(block.width for block in _blocks(self._contacts())[0])
         topology = V.mesh.topology
         return int(topology.index_map(topology.dim).size_global), V.dofmap.list.shape[1], width
 
     @property
     def num_totals(self) -> int:
         """Number of totals that `read` returns."""
-        return sum(sum(block.widths) for block in _blocks(self._contacts())[1])
+        return sum(block.width for block in _blocks(self._contacts())[1])
 
     def _contacts(self) -> _cpp.state.State:
         """States of the contacts, with values of their own."""
@@ -119,7 +119,7 @@ class SweepState:
         return NodalSum(self._problem.space.dofmap.index_map, rows.shape[1])(rows)
 
 
-def _blocks(contacts: _cpp.state.State) -> tuple[list[Block], list[Block]]:
+def _blocks(contacts: _cpp.state.State) -> tuple[list[_cpp.files.Block], list[_cpp.files.Block]]:
     """Values at slave nodes, and totals, of the states of contacts in their order."""
-    found = list(blocks(contacts))
+    found = _cpp.files.blocks(contacts)
     return [b for b in found if b.place == Place.node], [b for b in found if b.place == Place.all]

@@ -29,12 +29,12 @@ from .bodies import make_body
 from .body import Body
 from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
-from . import newton
 from ..io.mesh_check import check_cells
 from .load_steps import Limits, Report, run_steps
 from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
+from ..contact import in_cpp
 from ..contact.protocol import BodyTangent
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -154,7 +154,7 @@ class StaticProblem(BodyResults):
         make_room(V)
         self._cpp_object = _cpp.problems.StaticProblem(
             u._cpp_object, self.body.in_cpp(), [bc._cpp_object for bc in self.bcs],
-            [newton.contact_in_cpp(c) for c in self.contact], petsc_options(options), prefix, self.axisymmetric,
+            [in_cpp.contact_in_cpp(c) for c in self.contact], petsc_options(options), prefix, self.axisymmetric,
             LIMITS, warnings_on(V.mesh.comm),
         )  # fmt: skip
         # A load of a user's own class without `ramps` acts in full from the first increment.

@@ -88,8 +88,6 @@ class StaticRestart(Checkpoints):
         given = GivenArguments(p.space.mesh, (p.u,))
         given.table["problem"] = type(p).__name__
         given.add_mesh(p.space)
-        for name in ("num_cells", "num_nodes"):
-            given.table[name] = given.table[f"mesh.{name}"]
         given.table["hypothesis"] = "axisymmetric" if p.axisymmetric else "not axisymmetric"
         if p.material is not None:
             given.add_material("material", p.material)

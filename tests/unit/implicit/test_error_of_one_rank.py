@@ -17,7 +17,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
-from dolfinx_impact.statics import newton
+from dolfinx_impact.contact import in_cpp
 from dolfinx_impact.statics.material_body import MaterialBody
 
 kind, stage, method = sys.argv[1:]
@@ -28,7 +28,7 @@ bcs = [fem.dirichletbc(np.zeros(2), foot, V)]
 law = di.LinearElastic(1e3, 0.3, 1.0, "plane_strain")
 pair = di.ContactPair(m.facet_tags, m.tags["slave_surface"], m.tags["master_surface"])
 if stage == "contact":  # is called in C++ otherwise
-    newton.contact_in_cpp = _cpp.solve.PythonContact
+    in_cpp.contact_in_cpp = _cpp.solve.PythonContact
 calls = types.SimpleNamespace()  # what bodies call, in C++ otherwise
 def in_python(self):
     right = self._cpp_object

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Checkpoints that are damaged, foreign or impossible: refused on all ranks, nothing is changed. See on_ranks.py."""
 
-import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +11,8 @@ from restart_checks import COMM, block_on_block, mesh_of, state
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
-from dolfinx_impact.io import checkpoint, seal
+from dolfinx_impact import _cpp
+from dolfinx_impact.io import checkpoint
 
 LAST = COMM.rank == COMM.size - 1
 FLIPS = 500
@@ -92,33 +93,30 @@ def check_damaged_on_one_rank():
         other = after(block_on_block(), path / "later.h5", 90)
         assert other.step > problem.step
         data = bytearray((path / "good.h5").read_bytes())
-        sealed = seal.Sealed(path / "good.h5")
-        ends = np.cumsum(sealed._rows["length"])
-        data[int(ends[np.flatnonzero(sealed._rows["data"])[0]]) - 1] ^= 1
+        sections = _cpp.files.SealedFile(str(path / "good.h5")).sections
+        offset, length = next((offset, length) for offset, length, is_data in sections if is_data)
+        data[offset + length - 1] ^= 1
         if COMM.rank == 0:
             (path / "bad.h5").write_bytes(data)
         COMM.barrier()
         fresh = block_on_block()
         # One name that leads to another file there, as on a disk that the ranks do not share.
-        read = checkpoint.Reader
         try:
             for name, text in (("bad.h5", "is damaged"), ("later.h5", "another file")):
                 if name == "bad.h5" or COMM.size > 1:
                     there = path / (name if LAST else "good.h5")
-                    checkpoint.Reader = lambda _, *args, there=there, **options: read(there, *args, **options)
+                    checkpoint.Path = lambda _, there=there: there
                     refused(fresh, path / "good.h5", RuntimeError, text, same=False)
         finally:
-            checkpoint.Reader = read
+            checkpoint.Path = Path
         fresh.restore(path / "good.h5")
         assert fresh.step == problem.step
 
 
 def reseal(path):
     """A seal for what stands in a file: as another program would write it."""
-    size = os.path.getsize(path)
-    with open(path, "r+b") as file:
-        data = file.read()
-        file.write(seal.table([], lambda begin, end: data[begin:end], size))
+    data = path.read_bytes()
+    path.write_bytes(data + _cpp.files.seal(data))
 
 
 def changed(path, change):
@@ -140,9 +138,9 @@ class seal_removed:
         self.path = path
 
     def __enter__(self):
-        data = (self.path / "good.h5").read_bytes()
-        _, count, _ = seal.FOOTER.unpack(data[-seal.FOOTER.size :])
-        (self.path / "bad.h5").write_bytes(data[: -seal.FOOTER.size - count * seal.SECTION.itemsize])
+        good = self.path / "good.h5"
+        size = _cpp.files.SealedFile(str(good)).size
+        (self.path / "bad.h5").write_bytes(good.read_bytes()[:size])
         return self.path / "bad.h5"
 
     def __exit__(self, *_):

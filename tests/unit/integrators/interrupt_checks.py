@@ -18,7 +18,7 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.common.collective import common
 from dolfinx_impact.common.interrupts import Interrupts
-from dolfinx_impact.statics import newton
+from dolfinx_impact.contact import in_cpp
 
 LAST = COMM.rank == COMM.size - 1
 VARIANTS = ({}, {"kind": di.Kinematic}, {"law": di.NeoHookean, "balanced": True})
@@ -259,7 +259,7 @@ def pressed_block():
 def check_statics_goes_back_to_the_last_converged_state():
     """Ctrl-C on one rank in the middle of an increment; the next solve goes on from there to the same end. Contacts are
     called in Python, where their methods count."""
-    with patch.object(newton, "contact_in_cpp", _cpp.solve.PythonContact):
+    with patch.object(in_cpp, "contact_in_cpp", _cpp.solve.PythonContact):
         statics_goes_back()
 
 

@@ -2,6 +2,7 @@
 """Checkpoints of explicit runs: written, read and continued. See on_ranks.py."""
 
 import os
+import re
 import warnings
 from pathlib import Path
 
@@ -164,7 +165,7 @@ def check_errors_on_one_rank():
             # On one rank nothing is wrong with a folder that can be made.
             if COMM.size > 1 or elsewhere.parent == good:
                 said = raised(RuntimeError, lambda e=elsewhere: at(e, problem.save))
-                assert "could not be written" in said and "Error" in said
+                assert "could not be written" in said and re.search("No such file|Not a directory", said), said
             said = raised(RuntimeError, lambda e=elsewhere: at(e, problem.restore))
             assert "cannot be read" in said
             COMM.barrier()
@@ -175,23 +176,6 @@ def check_errors_on_one_rank():
         assert "another problem: material" in said
         problem.restore(good)
         assert problem.step == step
-
-
-def check_a_full_disk(monkeypatch=None):
-    """What free space there is is looked at before anything is written."""
-    import shutil
-
-    with shared_folder() as path:
-        problem = block_on_block()
-        problem.save(path / "good.h5")
-        usage, shutil.disk_usage = shutil.disk_usage, lambda _: type("Usage", (), {"free": 1000})()
-        try:
-            with pytest.raises(RuntimeError, match="no space left"):
-                problem.save(path / "good.h5")
-        finally:
-            shutil.disk_usage = usage
-        COMM.barrier()
-        block_on_block().restore(path / "good.h5")
 
 
 def check_an_unstable_run_with_contact_starts_anew():

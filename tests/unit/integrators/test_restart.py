@@ -118,11 +118,9 @@ problem.save(path / "good.h5")
 there, good, step = (path / "good.h5").read_bytes(), state(problem), problem.step
 problem.advance(problem.time + 20 * problem.stable_step(), progress=False)
 soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-if case == "unreserved":  # a file system that cannot reserve: the write itself fails, in the middle
-    os.posix_fallocate = lambda file, offset, size: None
-for part in (0.0, 0.1, 0.5, 0.8 if case == "last rank" else 0.99):  # the seal at the end is rank 0's
-    if case != "last rank" or comm.rank == comm.size - 1:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (int(part * len(there)), hard))
+
+def failure():
+    # What all ranks say of a save that must fail; it leaves nothing behind, and the file that was there.
     try:
         problem.save(path / "good.h5")
         said = "nothing"
@@ -130,9 +128,21 @@ for part in (0.0, 0.1, 0.5, 0.8 if case == "last rank" else 0.99):  # the seal a
         said = str(error)
     resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     everyone = comm.allgather(said)
-    assert len(set(everyone)) == 1 and "could not be written" in said and "File too large" in said, everyone
+    assert len(set(everyone)) == 1 and "could not be written" in said, everyone
     assert os.listdir(path) == ["good.h5"] and (path / "good.h5").read_bytes() == there
     comm.barrier()
+    return said
+
+os.environ["FULL_DISK"] = "1"  # what free space there is is looked at before anything is written
+assert "no space left" in failure()
+del os.environ["FULL_DISK"]
+if case == "unreserved":  # a file system that cannot reserve: the write itself fails, in the middle
+    os.environ["UNRESERVED"] = "1"
+for part in (0.0, 0.1, 0.5, 0.8 if case == "last rank" else 0.99):  # the seal at the end is rank 0's
+    if case != "last rank" or comm.rank == comm.size - 1:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(part * len(there)), hard))
+    said = failure()
+    assert "File too large" in said, said
 again = block_on_block()
 again.restore(path / "good.h5")
 assert again.step == step and (state(again) == good).all()
@@ -148,9 +158,11 @@ print("went on", flush=True)
 @pytest.mark.parametrize("case", ("all", "last rank", "unreserved"))
 @pytest.mark.parametrize("ranks", (1, 2))
 def test_a_write_that_fails_in_the_middle(ranks, case, mpirun, tmp_path):
-    """Beyond a limit of the file's size: the same error on all ranks, nothing is left behind, the checkpoint that was
-    there opens, and the process goes on and writes the next one."""
-    folder = tmp_path / "run"
+    """A full disk, and beyond a limit of the file's size: the same error on all ranks, nothing is left behind, the
+    checkpoint that was there opens, and the process goes on and writes the next one."""
+    folder, disk = tmp_path / "run", tmp_path / "disk.so"
     folder.mkdir()
-    output = mpirun(ranks, HALF_WRITTEN, folder, case, MODULES)
+    compiler = os.environ.get("CXX", "c++").split()
+    subprocess.run([*compiler, "-shared", "-fPIC", "-o", disk, HERE / "disk.cpp", "-ldl"], check=True)
+    output = mpirun(ranks, HALF_WRITTEN, folder, case, MODULES, env={"LD_PRELOAD": str(disk)})
     assert output.count("went on") == ranks

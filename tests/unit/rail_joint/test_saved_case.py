@@ -8,7 +8,8 @@ import h5py
 import numpy as np
 import pytest
 
-from dolfinx_impact.io import hdf5, seal
+from dolfinx_impact import _cpp
+from dolfinx_impact.io import hdf5
 from dolfinx_impact.io.run_folder import RunFolder
 from dolfinx_impact.rail_joint.saved_case import SavedCase
 
@@ -19,7 +20,7 @@ def sealed_file(path, value):
     """A file with a seal, as checkpoints have one."""
     hdf5.create(path, lambda file: file.create_dataset("x", data=np.full(100, value)))
     content = path.read_bytes()
-    path.write_bytes(content + seal.table([], lambda begin, end: content[begin:end], len(content)))
+    path.write_bytes(content + _cpp.files.seal(content))
 
 
 def saved(folder, identity=None):

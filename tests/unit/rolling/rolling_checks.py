@@ -563,7 +563,8 @@ def check_an_explicit_run_goes_on_with_the_contact_forces():
     problem.sweep(creep=[0.0], progress=False)  # the axle of a run in time does not move sideways
     steady = problem.contact[0].force
     run = di.ExplicitProblem.from_rolling(problem)
-    # Normals of the two contacts differ by the angle between facets and plane: none; stored to the accuracy of CLOSE.
+    # Normals of the two contacts differ by the angle between facets and plane: none; stored to the accuracy of the
+    # approach, 1e-6.
     np.testing.assert_allclose(run.contact[0].force, steady, atol=1e-5 * steady[1])
     moved = run.u.x.array - problem.u.x.array
     ends = [(largest(column), smallest(column)) for column in moved.reshape(-1, 3).T]

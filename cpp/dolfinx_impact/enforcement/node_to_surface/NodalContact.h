@@ -79,6 +79,15 @@ public:
   /// @param[in] u displacements of the Halo's nodes [L]
   virtual void update_gaps(std::span<const double> u) = 0;
 
+  /// Upper bound of what the contact adds to the squared angular frequencies of the bodies, wherever they meet.
+  /// Collective [1/T^2].
+  /// @param[in] mass of owned nodes of the space [M]
+  virtual double added_square_frequency(std::span<const double> mass) const
+  {
+    (void)mass;
+    return 0.0;
+  }
+
   virtual ContactEnergy energy() const = 0;
   /// The node of this rank that passed through farthest, since construction or since the last `resume`.
   virtual Passage passage() const = 0;

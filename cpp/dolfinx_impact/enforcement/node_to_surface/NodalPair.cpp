@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "NodalPair.h"
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -76,17 +77,20 @@ Passage NodalPair::passage() const
   return farthest;
 }
 
+double NodalPair::spring_frequency(std::span<const double> mass) const
+{
+  double square = 0.0;
+  for (const auto& direction : _directions)
+    square += direction->added_square_frequency(mass);
+  return std::sqrt(square);
+}
+
 NodalPair balanced_penalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
-                           NodePenaltyOptions options, const NodalCompliances& compliances)
+                           NodePenaltyOptions options)
 {
   options.share *= 0.5;
   auto first = std::make_shared<NodePenalty>(V, slave, master, options);
   auto second = std::make_shared<NodePenalty>(V, master, slave, options);
-  if (!compliances.slave.empty() || !compliances.master.empty())
-  {
-    first->set_nodal_compliances(compliances);
-    second->set_nodal_compliances({compliances.master, compliances.slave});
-  }
   return NodalPair({std::move(first), std::move(second)});
 }
 } // namespace dolfinx_impact::enforcement

@@ -4,6 +4,7 @@
 #include <array>
 #include <concepts>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,11 @@ public:
   /// The node of this rank, on either surface, that passed through the other one farthest.
   Passage passage() const;
 
+  /// Upper bound of the angular frequency that springs of given stiffness add, wherever the bodies meet. Collective
+  /// [1/T].
+  /// @param[in] mass of owned nodes of the space [M]
+  double spring_frequency(std::span<const double> mass) const;
+
 private:
   std::vector<std::shared_ptr<NodalContact>> _directions;
 };
@@ -44,8 +50,7 @@ private:
 /// @param[in] V displacement space
 /// @param[in] slave, master this rank's facets (make_surface)
 /// @param[in] options of the pair; their share is divided between the directions
-/// @param[in] compliances of the surfaces' nodes, see NodePenalty::set_nodal_compliances
 /// @throws std::invalid_argument as the constructor of NodePenalty
 NodalPair balanced_penalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
-                           NodePenaltyOptions options, const NodalCompliances& compliances = {});
+                           NodePenaltyOptions options);
 } // namespace dolfinx_impact::enforcement

@@ -22,6 +22,11 @@ public:
                  double distance, bool axisymmetric);
 
   int gdim() const { return _slave.gdim; }
+  MPI_Comm comm() const { return _comm; }
+  /// This rank's slave facets, flat; nodes number the blocks of the space.
+  const surface::Facets& slave() const { return _slave; }
+  /// This rank's master facets; none: rigid.
+  const surface::Facets& master() const { return _mine.facets; }
   bool rigid() const { return _rigid; }
   double distance() const { return _distance; }
   /// Slave nodes that this rank owns, ascending; X(): reference positions [L], areas(): nodal areas [L^2].
@@ -49,6 +54,8 @@ public:
   std::span<const std::int32_t> watched_numbers() const { return _watched_numbers; }
   /// Nodal areas of the master over the Halo's nodes [L^2]. Collective.
   std::vector<double> master_areas(operators::Halo& halo) const;
+  /// The same of owned nodes of the space.
+  std::span<const double> master_areas() const { return _master_areas; }
   /// Slave and master nodes that this rank owns.
   std::span<const std::int32_t> watched() const { return _watched; }
   /// Advance the time since the last search by a step of this size [T].

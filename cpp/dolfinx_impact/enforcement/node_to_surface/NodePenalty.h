@@ -10,6 +10,8 @@ struct NodePenaltyOptions : NodeToSurfaceOptions
   double penalty = 0.0; ///< pressure per penetration; 0: nodal stiffness of the surfaces [F/L^3]
   double kappa = 0.5;   ///< stiffness of a node times dt^2 over its mass where no nodal stiffness is known [1]
   double share = 1.0;   ///< of the stiffness; half for each direction of balanced contact, see NodalPair [1]
+  /// Without a given penalty the springs follow from masses and step, whatever the stiffness of the bodies.
+  bool by_step = false;
 };
 
 /// Reciprocals of the nodal stiffness of two surfaces, by node that this rank owns; zero where none is known [L/F].
@@ -39,9 +41,9 @@ public:
   /// @param[in] slave, master this rank's facets (make_surface)
   /// @throws std::invalid_argument on all ranks for options out of range, facets of another space
   NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
-              const NodePenaltyOptions& options);
+              const NodePenaltyOptions& options = {});
   NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const gap::Rigid& master,
-              const NodePenaltyOptions& options);
+              const NodePenaltyOptions& options = {});
 
   void add_forces(const NodalState& state, std::span<double> f) override;
   std::span<const std::int32_t> needs(operators::Halo& all) override;
@@ -49,6 +51,17 @@ public:
   /// Nodal stiffness of both surfaces (docs/explicit/penalty.md, "Stiffness"); call before `needs`.
   /// @throws std::invalid_argument for another number of nodes, negative or infinite values
   void set_nodal_compliances(NodalCompliances compliances);
+  const NodalCompliances& nodal_compliances() const { return _known; }
+  /// Given penalty; 0: none [F/L^3].
+  double penalty() const { return _penalty; }
+  /// Options that it was made with.
+  NodePenaltyOptions penalty_options() const { return {_options, _penalty, _kappa, _share, _by_step}; }
+  /// Are the springs to follow from the stiffness of the bodies, which nobody has told yet?
+  bool lacks_compliances() const { return !(_penalty > 0.0) && !_by_step && _known.slave.empty(); }
+  /// Of springs of given stiffness: the largest sum of stiffness over mass at a slave node and at the nodes of its
+  /// facet, from the largest areas and ratios of area to mass; docs/explicit/penalty.md, "A given penalty". Others do
+  /// not shorten the stable step.
+  double added_square_frequency(std::span<const double> mass) const override;
 
   /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
   const std::vector<double>& stiffness() const { return _stiffness; }
@@ -75,6 +88,7 @@ private:
   void add_all(const NodalState& state, std::span<double> f);
 
   double _penalty, _kappa, _share;
+  bool _by_step;
   NodalCompliances _known;               ///< empty: none known
   std::vector<double> _all_known;        ///< of the master over the nodes of the Halo of `needs` [L/F]
   std::vector<double> _master_here;      ///< by position in NodeTracker's list of master nodes [L/F]

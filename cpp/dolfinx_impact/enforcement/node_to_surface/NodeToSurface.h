@@ -53,6 +53,9 @@ public:
   void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
   const NodeCandidates& candidates() const { return _candidates; }
+  const NodeToSurfaceOptions& options() const { return _options; }
+  /// The rigid master where it is now; null: the master is deformable.
+  const gap::Rigid* obstacle() const { return _rigid ? &_obstacle : nullptr; }
   /// Areas of the master's nodes, zero elsewhere, over the nodes of the Halo of the last `needs`; empty: rigid [L^2].
   std::span<const double> master_areas() const { return _areas; }
   const NodalResults& results() const { return _results; }

@@ -4,22 +4,17 @@
 from typing import Any
 
 import numpy as np
-import ufl
-from dolfinx.common import IndexMap
 from mpi4py import MPI
 
 from ... import _cpp
 from ...amplitude import Amplitude
-from ...assembly import operators
 from ...common.arguments import integer
-from ...common.collective import comm_of, common, guard
+from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
-from ...forms.materials import weight
 from ..output import ContactOutput
 from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
-from .nodal_stiffness import nodal_compliances
 
 
 class Kinematic(Fixed):
@@ -48,8 +43,8 @@ class Kinematic(Fixed):
     def _bind(self, problem: object) -> None:
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
 
-    def _bind_explicit(self, problem: ExplicitContactProblem) -> "NodalResult":
-        return NodalResult(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
+    def _bind_explicit(self, problem: ExplicitContactProblem) -> "NodalPair":
+        return NodalPair(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
 Place = _cpp.state.Place
@@ -57,8 +52,9 @@ GAPS = ("gap", "normal")
 RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # arrays by node
 
 
-class NodalResult(ContactOutput):
-    """Contact of one pair in an explicit problem; points are the slave nodes that this rank owns.
+class NodalPair(ContactOutput):
+    """Contact of one pair in an explicit problem, a view of cpp/dolfinx_impact/enforcement/node_to_surface/NodalPair.h;
+    points are the slave nodes that this rank owns.
 
     Gaps and normals belong to the present configuration. They are evaluated on access, because the time steps evaluate
     only nodes that may be in contact. Without a master within the search distance a gap is infinite and its normal
@@ -133,10 +129,8 @@ class NodalResult(ContactOutput):
             _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
         self._law, self.parameters = law, options
         self._surfaces = slave, self.obstacle if pair.rigid else master
-        self._compliances: tuple[FloatArray, FloatArray] | None = None
-        if not self.kinematic and not self.penalty and not by_step:
-            self._compliances = nodal_compliances(problem, slave, None if pair.rigid else master)
-        self._cpp_object = self.make(law, **options)
+        by_class = options if law is _cpp.nodal.KinematicContact else {**options, "by_step": by_step}
+        self._cpp_object = self._make(**by_class)
         self._sides = self._cpp_object.directions
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
         self._X = self._sides[0].X.reshape(-1, self.gdim)
@@ -165,17 +159,8 @@ class NodalResult(ContactOutput):
         """Facets of slave and master on this rank (C++), or the obstacle."""
         return self._surfaces
 
-    def make(self, law: type[_cpp.nodal.NodeToSurface], balanced: bool = False, **options: Any) -> _cpp.nodal.NodalPair:
-        """Make a C++ contact of this pair. Collective.
-
-        Args:
-            law: C++ class of the contact, NodePenalty or KinematicContact.
-            balanced: both directions, each with half of the stiffness; of NodePenalty only.
-            options: other parameters of the class.
-
-        Returns:
-            The contact in one or both directions.
-        """
+    def _make(self, balanced: bool = False, **options: Any) -> _cpp.nodal.NodalPair:
+        """Make the C++ contact of this pair in one or both directions, of the options of its class. Collective."""
         pair = self.pair
         options |= dict(
             friction=pair.friction,
@@ -183,55 +168,8 @@ class NodalResult(ContactOutput):
             axisymmetric=self.problem.axisymmetric,
         )
         if balanced:
-            slave, master = self._compliances or (None, None)
-            return _cpp.nodal.balanced_penalty(
-                self.V._cpp_object, *self._surfaces, slave_compliances=slave, master_compliances=master, **options
-            )
-        made = law(self.V._cpp_object, *self._surfaces, **options)
-        if self._compliances is not None:
-            made.set_nodal_compliances(*self._compliances)
-        return _cpp.nodal.NodalPair([made])
-
-    def searched(
-        self,
-        u: FloatArray,
-        law: type[_cpp.nodal.NodeToSurface],
-        masses: FloatArray | None = None,
-        **options: Any,
-    ) -> tuple[_cpp.nodal.NodalPair, _cpp.operators.Halo, FloatArray]:
-        """Make another contact of this pair, with the candidates of a given configuration. Collective.
-
-        The contact of the running problem does not change.
-
-        Args:
-            u: displacements, of which the owned dofs are read [L].
-            law: C++ class of the new contact, see `make`.
-            masses: of the owned nodes, for stiffness from masses and step; None: ones [M].
-            options: parameters of the new contact, see `make`.
-
-        Returns:
-            The new contact, the halo of the nodes it knows, and the displacements of these nodes [L].
-        """
-        made = self.make(law, **options)
-        own, bs = self.V.dofmap.index_map, self.V.dofmap.index_map_bs
-        num = own.size_local * bs
-        for side in made.directions:
-            if self.motion is not None:
-                side.set_obstacle(self.motion.sample([self.problem.time])[0].tolist(), [0.0] * 3)
-            side.search(np.ascontiguousarray(u[:num]), np.zeros(0))
-        remote, first = np.unique(np.concatenate([s.remote_nodes for s in made.directions]), return_index=True)
-        owners = np.concatenate([s.remote_owners for s in made.directions])[first]
-        ghosts, owners = np.concatenate([own.ghosts, remote]), np.concatenate([own.owners, owners]).astype(np.int32)
-        halo = _cpp.operators.Halo(IndexMap(self.comm, own.size_local, ghosts, owners))
-        values, mass = np.zeros(halo.num_nodes * bs), np.ones(halo.num_nodes)  # a given stiffness does not need masses
-        values[:num] = u[:num]
-        if masses is not None:
-            mass[: own.size_local] = masses
-            halo.forward(mass, 1)
-        halo.forward(values, bs)
-        for side in made.directions:
-            side.number(halo, mass)
-        return made, halo, values
+            return _cpp.nodal.balanced_penalty(self.V._cpp_object, *self._surfaces, **options)
+        return _cpp.nodal.NodalPair([self._law(self.V._cpp_object, *self._surfaces, **options)])
 
     @property
     def penalty(self) -> float:
@@ -250,73 +188,6 @@ class NodalResult(ContactOutput):
             One contact, or for balanced contact one per direction.
         """
         return self._sides
-
-    def spring_frequency(self) -> float:
-        """Upper bound of the angular frequency that springs of given stiffness add. Collective.
-
-        The bound is valid for all positions of slave and master. Automatic stiffness does not reduce the stable step.
-
-        Returns:
-            The bound, 0 without given stiffness [1/T].
-        """
-        if not self.penalty:
-            return 0.0
-
-        def most(values: FloatArray) -> float:
-            """Largest value on all ranks."""
-            return self.comm.allreduce(float(np.max(values, initial=0.0)), MPI.MAX)
-
-        mass = self.problem.mass.array[:: self.gdim]
-        slave = self.weight, mass[self.nodes]
-        if self.pair.rigid:
-            return float(np.sqrt(self.penalty * most(slave[0] / slave[1])))
-        areas = self._master_areas()
-        near = np.flatnonzero(areas)
-        master = areas[near], mass[near]
-        # Largest sum of the absolute values of a facet's shape functions.
-        phi = 1.0 if self.V.element.basix_element.degree == 1 else {2: 1.25, 3: 5 / 3}[self.gdim]
-        sums = [
-            most(a[0] / a[1]) + phi * most((b[0] + most(a[0])) / b[1]) for a, b in ((slave, master), (master, slave))
-        ]
-        balanced = self.parameters.get("balanced", False)  # half of the stiffness in each direction
-        return float(np.sqrt(self.penalty * (0.5 * (sums[0] + sums[1]) if balanced else sums[0])))
-
-    def _master_areas(self) -> FloatArray:
-        """Areas of the master's nodes, owned and ghosts; zero at other nodes. Collective."""
-        V, mesh = self.V, self.V.mesh
-        v = ufl.TestFunction(V)
-        ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.pair.facet_tags)(self.pair.master)
-        hypothesis = "axisymmetric" if self.problem.axisymmetric else "3d"
-        area = operators.InternalForce(ufl.inner(ufl.as_vector([1.0] * self.gdim), v) * weight(mesh, hypothesis) * ds)
-        return np.abs(area.apply().array[:: self.gdim])
-
-    def check_start(self) -> None:
-        """Refuse bodies that penetrate by more than half a facet. Collective.
-
-        Raises:
-            ValueError: on all ranks.
-        """
-        deep = int(self._sides[0].counters()["implausible"])  # kinematic contact evaluates gaps inside steps only
-        if self.problem.step == 0 and self.pair.rigid:
-            num_owned = self.V.dofmap.index_map.size_local * self.gdim
-            deep = self._sides[0].too_deep(self.problem.u.x.array[:num_owned])
-        elif self.problem.step == 0 and self.kinematic:
-            deep = self._deep_by_springs()
-        deep = self.comm.allreduce(deep, MPI.SUM)
-        if deep:
-            raise common(
-                ValueError(
-                    f"{self.pair.name}: {deep} slave nodes lie deeper in the master than half a facet: the bodies "
-                    "overlap at the start; move them apart"
-                )
-            )
-
-    def _deep_by_springs(self) -> int:
-        """Number of nodes that penalty contact would find too deep in the present configuration. Collective."""
-        twin, halo, u = self.searched(self.problem.u.x.array, _cpp.nodal.NodePenalty)
-        (side,), zero = twin.directions, np.zeros_like(u)
-        side.add_forces(halo, u, zero, np.ones_like(u), 1.0, zero.copy())
-        return int(side.counters()["implausible"])
 
     @property
     def gap(self) -> FloatArray:
