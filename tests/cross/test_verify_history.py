@@ -9,7 +9,7 @@ import pytest
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
-from dolfinx_impact.contact.explicit.nodal import NodalResult
+from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.dynamics import explicit_bodies
 from dolfinx_impact.verify import cross_check, history, implicit
 from dolfinx_impact.verify.report import Report
@@ -113,14 +113,14 @@ def test_velocities_do_not_depend_on_round_off_of_places():
 @pytest.mark.parametrize("cell", ("quadrilateral", "hexahedron"))
 def test_facing_by_the_normals_of_the_last_search_is_seen(cell, monkeypatch):
     """The starts of the level show it, in the plane and in space."""
-    make = NodalResult.__init__
+    make = NodalPair.__init__
 
     def keep(self, *args, **kwargs):
         make(self, *args, **kwargs)
         for side in self.sides():
             side.keep_normals(True)
 
-    monkeypatch.setattr(NodalResult, "__init__", keep)
+    monkeypatch.setattr(NodalPair, "__init__", keep)
     try:
         report = compare_varied_runs([(cell, 1, history.overhang)])
     except RuntimeError as error:  # springs that are pressed from nowhere bring energy
@@ -239,8 +239,8 @@ def test_another_friction_is_seen():
 
 def test_another_contact_stiffness_is_seen(monkeypatch):
     """The share of the nodal stiffness, a millionth off."""
-    right = NodalResult._make
-    monkeypatch.setattr(NodalResult, "_make", lambda self, **options: right(self, **options, share=1 / SMALL))
+    right = NodalPair._make
+    monkeypatch.setattr(NodalPair, "_make", lambda self, **options: right(self, **options, share=1 / SMALL))
     assert {"contact force", "displacement"} <= failed(case_of("hexahedron", "block on a block, neo-hookean, penalty"))
 
 

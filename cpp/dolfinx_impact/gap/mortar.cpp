@@ -296,9 +296,9 @@ Entries sliding_tangent(const Facets& slave, const Facets& master, const Segment
     {
       const double *a = pm.tangents[0], *b = pm.tangents[1];
       double across_b[3], across_a[3];
-      cross(b, nu, across_b);
-      cross(nu, a, across_a);
-      const double det = dot(a, across_b, 3);
+      dolfinx_impact::cross(b, nu, across_b);
+      dolfinx_impact::cross(nu, a, across_a);
+      const double det = dolfinx_impact::dot(a, across_b, 3);
       for (int c = 0; c < 3; ++c)
       {
         rows[0][c] = across_b[c] / det;

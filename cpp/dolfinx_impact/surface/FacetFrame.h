@@ -28,7 +28,7 @@ struct FacetFrame
       }
     double* n = axes[gdim - 1];
     normal_vector(gdim, axes, n);
-    const double length = std::sqrt(dot(n, n, gdim));
+    const double length = std::sqrt(dolfinx_impact::dot(n, n, gdim));
     for (int c = 0; c < gdim; ++c)
       n[c] /= length;
   }
@@ -61,6 +61,6 @@ struct FacetFrame
   }
 
 private:
-  static double inner(const double* a, const double* b) { return dot(a, b, gdim); }
+  static double inner(const double* a, const double* b) { return dolfinx_impact::dot(a, b, gdim); }
 };
 } // namespace dolfinx_impact::surface

@@ -17,7 +17,7 @@ inline void normal_vector(int gdim, const double a[2][3], double* n)
     n[2] = 0.0;
   }
   else
-    cross(a[0], a[1], n);
+    dolfinx_impact::cross(a[0], a[1], n);
 }
 
 /// A point of a facet with everything that follows from its position.

@@ -51,7 +51,7 @@ from .time_stepper import TimeStepper
 from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
-    from ..contact.explicit.nodal import Kinematic, NodalResult
+    from ..contact.explicit.nodal import Kinematic, NodalPair
     from ..contact.penalty.penalty import Penalty
     from ..rolling.problem import RollingProblem
     from ..statics.problem import StaticProblem
@@ -190,7 +190,7 @@ class ExplicitProblem(TransientProblem):
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
-        self.contact: tuple[NodalResult, ...] = tuple([c._bind_explicit(self) for c in contact])
+        self.contact: tuple[NodalPair, ...] = tuple([c._bind_explicit(self) for c in contact])
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(

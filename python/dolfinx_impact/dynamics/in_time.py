@@ -14,7 +14,7 @@ from ..contact import in_cpp
 from .functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
-    from ..contact.explicit.nodal import NodalResult
+    from ..contact.explicit.nodal import NodalPair
     from ..contact.mortar.lagrange import LagrangeContact
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
@@ -35,7 +35,7 @@ def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOf
     return _cpp.problems.PrescribedMotion(bc.bc._cpp_object, bc.amplitude.sample(np.zeros(1))[0])
 
 
-def contact_in_time(contact: NodalResult, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
+def contact_in_time(contact: NodalPair, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
     """A contact.
 
     Args:

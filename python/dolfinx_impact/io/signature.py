@@ -56,7 +56,7 @@ class Pair(Protocol):
 
 
 class Contact(Protocol):
-    """What a signature reads of a contact; see contact.explicit.nodal.NodalResult."""
+    """What a signature reads of a contact; see contact.explicit.nodal.NodalPair."""
 
     @property
     def pair(self) -> Pair:

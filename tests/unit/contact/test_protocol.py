@@ -7,7 +7,7 @@ import re
 import pytest
 
 from dolfinx_impact.contact import protocol
-from dolfinx_impact.contact.explicit.nodal import NodalResult
+from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
 
@@ -15,7 +15,7 @@ CASES = [
     (protocol.StaticContact, QuadraturePenalty),
     (protocol.StaticContact, LagrangeContact),
     (protocol.MultiplierContact, LagrangeContact),
-    (protocol.ExplicitContact, NodalResult),
+    (protocol.ExplicitContact, NodalPair),
 ]
 
 

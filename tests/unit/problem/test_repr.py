@@ -181,7 +181,7 @@ def test_all_that_problems_return(square, facet_tags):
     problems.append(di.NewmarkProblem(fem.Function(V), law, velocity=fem.Function(V), contact=[di.Lagrange(pair)]))
     seen = [thing for one in (*problems, *reports) for thing in (one, *returned(one))]
     names = {type(thing).__name__ for thing in seen}
-    assert {"LagrangeContact", "QuadraturePenalty", "NodalResult", "Report"} <= names
+    assert {"LagrangeContact", "QuadraturePenalty", "NodalPair", "Report"} <= names
     assert [] == sorted(
         {type(thing).__module__ + "." + type(thing).__name__ for thing in seen if " object at 0x" in repr(thing)}
     )

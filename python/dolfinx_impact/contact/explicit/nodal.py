@@ -43,8 +43,8 @@ class Kinematic(Fixed):
     def _bind(self, problem: object) -> None:
         raise ValueError("kinematic contact is for explicit dynamics: use Lagrange or Penalty in a StaticProblem")
 
-    def _bind_explicit(self, problem: ExplicitContactProblem) -> "NodalResult":
-        return NodalResult(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
+    def _bind_explicit(self, problem: ExplicitContactProblem) -> "NodalPair":
+        return NodalPair(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
 Place = _cpp.state.Place
@@ -52,8 +52,9 @@ GAPS = ("gap", "normal")
 RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # arrays by node
 
 
-class NodalResult(ContactOutput):
-    """Contact of one pair in an explicit problem; points are the slave nodes that this rank owns.
+class NodalPair(ContactOutput):
+    """Contact of one pair in an explicit problem, a view of cpp/dolfinx_impact/enforcement/node_to_surface/NodalPair.h;
+    points are the slave nodes that this rank owns.
 
     Gaps and normals belong to the present configuration. They are evaluated on access, because the time steps evaluate
     only nodes that may be in contact. Without a master within the search distance a gap is infinite and its normal

@@ -7,7 +7,7 @@ from ... import _cpp
 from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
-from ..explicit.nodal import NodalResult
+from ..explicit.nodal import NodalPair
 from ..pair import ContactPair, check_pair, check_quadrature_degree
 from ..protocol import ExplicitContactProblem, StaticContactProblem
 from .quadrature_penalty import QuadraturePenalty
@@ -88,12 +88,12 @@ class Penalty(Fixed):
             options.append(f"quadrature_degree={self.quadrature_degree}")
         return f"Penalty({self.pair!r}, {', '.join(options)})"
 
-    def _bind_explicit(self, problem: ExplicitContactProblem) -> NodalResult:
+    def _bind_explicit(self, problem: ExplicitContactProblem) -> NodalPair:
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
         law = _cpp.nodal.NodePenalty
         penalty = self.penalty or 0.0
-        return NodalResult(self.pair, problem, law, self.by_step, penalty=penalty, balanced=self.balanced)
+        return NodalPair(self.pair, problem, law, self.by_step, penalty=penalty, balanced=self.balanced)
 
     def _bind(self, problem: StaticContactProblem) -> QuadraturePenalty:
         if self.balanced:
