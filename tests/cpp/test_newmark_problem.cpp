@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Implicit steps: motions with closed forms, energy that the trapezoidal rule keeps, contact, a state that is gone back
 // to, and what is refused.
+#include <algorithm>
 #include <basix/finite-element.h>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
@@ -12,7 +13,7 @@
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/integrators/newmark/MovingBody.h>
 #include <dolfinx_impact/problems/LoadedBody.h>
-#include <dolfinx_impact/problems/NewmarkProblem.h>
+#include <dolfinx_impact/problems/implicit_state.h>
 #include <dolfinx_impact/solve/FunctionBody.h>
 #include <dolfinx_impact/surface/Surface.h>
 #include <stdexcept>
@@ -247,6 +248,41 @@ TEST_CASE("what does not fit is refused, and a callback that throws leaves the l
   problem.advance(1.0, {.dt = 0.25});
   CHECK(problem.step() == 4);
   CHECK(std::isinf(problem.stable_step()));
+}
+
+TEST_CASE("a run asks for the times at which steps end, and tells of steps and values", "[newmark]")
+{
+  Block b, plain;
+  b.move(0.5, 0.0);
+  plain.move(0.5, 0.0);
+  problems::NewmarkProblem problem(b.u, b.v, b.body()), other(plain.u, plain.v, plain.body());
+  std::vector<double> ends, updates;
+  int starts = 0, begins = 0;
+  problems::ImplicitRunEvents events;
+  events.update = [&](double time) { updates.push_back(time); };
+  events.started = [&] { ++starts; };
+  events.begins = [&] { ++begins; };
+  events.goal = [&] { return problem.time() < 0.25 ? 0.25 : 1.0; };
+  events.accepted = [&] { ends.push_back(problem.time()); };
+  problem.advance(0.4, {.dt = 0.1}, {}, events);
+  REQUIRE(ends.size() == 5);
+  CHECK(ends[2] == 0.25);
+  CHECK(ends[4] == 0.4);
+  CHECK(updates[0] == 0.0); // values of the start are asked for, too
+  CHECK(updates.back() == 0.4);
+  CHECK(starts == 1);
+  CHECK(begins == 1);
+  // Another problem goes on from there, and moves as the first one does.
+  const state::State kept = problems::saved_state(problem);
+  problems::resume(other, kept);
+  CHECK(other.step() == 5);
+  CHECK(problems::saved_state(other).difference_of_values(kept).empty());
+  for (problems::NewmarkProblem* one : {&problem, &other})
+  {
+    one->forget();
+    one->advance(0.8, {.dt = 0.1});
+  }
+  CHECK(std::ranges::equal(b.u->x()->array(), plain.u->x()->array()));
 }
 
 TEST_CASE("a scheme that is stable with small steps only says how small", "[newmark]")
