@@ -145,6 +145,9 @@ void dolfinx_impact::bindings::files(nb::module_& m)
       },
       nb::arg("V"), "Undeformed coordinates of this rank's owned nodes, (num_nodes, gdim)");
   m.def(
+      "input_cells", [](const dolfinx::mesh::Mesh<double>& mesh) { return take(input_cells(mesh)); }, nb::arg("mesh"),
+      nb::rv_policy::move, "Numbers of this rank's owned cells in the mesh's input; raises for submeshes");
+  m.def(
       "write",
       [](const std::string& path, const Space& V, const State& state, const nb::dict& identity, const State& supports,
          const nb::dict& more) { write(path, V, state, as_identity(identity, {}, supports), as_attributes(more)); },

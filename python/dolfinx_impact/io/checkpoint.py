@@ -17,6 +17,7 @@ from dolfinx.fem import FunctionSpace
 
 from .. import _cpp
 from ..assembly.fields import fields_of, is_mixed
+from ..common.collective import agree, attempt
 from ..common.types import AnyArray, FilePath, FloatArray, IntArray
 from .signature import Signature
 
@@ -44,7 +45,13 @@ class Subject:
     supports: Callable[[], tuple[IntArray, FloatArray]]
 
     def identity(self) -> tuple[dict[str, Attribute], _cpp.state.State]:
-        """Signature, and supports as a part of a state. Collective."""
+        """Signature, and supports as a part of a state. Collective.
+
+        Raises:
+            RuntimeError: cells cannot be identified: the mesh is a submesh; on all ranks.
+        """
+        mesh = self.space.mesh
+        agree(mesh.comm, attempt(_cpp.files.input_cells, mesh._cpp_object)[1], "checkpoint")
         supports, out = State("supports"), State("identity")
         nodes, rows = self.supports()
         supports.at(Place.node, np.ascontiguousarray(nodes, dtype=np.int64))
