@@ -8,6 +8,7 @@
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/OnAllRanks.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/static_state.h>
@@ -156,6 +157,23 @@ TEST_CASE("what an event throws leaves the last converged state, from which the 
   CHECK(half < 0.6 * whole);
   block.problem->solve();
   CHECK(block.contact->totals().force[1] == Catch::Approx(whole).epsilon(1e-8));
+}
+
+TEST_CASE("an event may not solve the problem that tells it")
+{
+  Block block("linear_elastic");
+  block.press(0.01);
+  problems::SolveEvents events;
+  events.steps.accepted = [&](double) { block.problem->solve(); };
+  CHECK_THROWS_AS(block.problem->solve({}, events), dolfinx_impact::common::Failure);
+  block.problem->solve(); // and afterwards it can be solved
+  CHECK(block.contact->totals().force[1] == Catch::Approx(0.01 / (height / E + 1e-4)).epsilon(1e-9));
+}
+
+TEST_CASE("whether multipliers are condensed is true or false")
+{
+  CHECK_THROWS_AS(Block("linear_elastic", {{"contact_condense", "maybe"}}), std::invalid_argument);
+  CHECK_NOTHROW(Block("linear_elastic", {{"contact_condense", ""}}));
 }
 
 TEST_CASE("increments may be solved by a function of one's own")

@@ -4,6 +4,7 @@
 #include "../common/agree.h"
 #include "../common/text.h"
 #include "../integrators/newmark/highest_frequency.h"
+#include "OneCall.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -114,6 +115,7 @@ double NewmarkProblem::stable_step()
 void NewmarkProblem::advance(double until, const ImplicitAdvance& options, const Callback& callback,
                              const ImplicitRunEvents& events)
 {
+  const OneCall call(_advancing, "advance");
   const double smallest = options.smallest.value_or(smallest_part * options.dt);
   if (!(until >= _time) || !std::isfinite(until))
     throw common::BadValue("the time " + text("%.6g", until) + " has passed: the problem is at " + text("%.6g", _time));

@@ -74,7 +74,7 @@ public:
   /// @param[in] callback is called after each step; may be empty
   /// @throws common::BadValue a time that has passed, or a value out of its range
   /// @throws common::Failure a step did not converge with the smallest length; the problem is in its last converged
-  /// state then, as after exceptions of the callback and of events
+  /// state then, as after exceptions of the callback and of events; or the call came from one of these
   void advance(double until, const ImplicitAdvance& options, const Callback& callback = {},
                const ImplicitRunEvents& events = {});
 
@@ -114,6 +114,7 @@ private:
   std::optional<integrators::StepControl> _control; ///< of the last call of `advance`
   /// Of the present call. After an exception, which may be that of one rank, it stays until ranks are together again.
   std::unique_ptr<solve::IncrementSolver> _solver;
+  bool _advancing = false;
   RunHistory _history;
 };
 } // namespace dolfinx_impact::problems

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "StaticProblem.h"
 #include "../operators/petsc_check.h"
+#include "OneCall.h"
 #include <algorithm>
 #include <stdexcept>
 
@@ -61,6 +62,7 @@ void StaticProblem::check(const SolveOptions& options) const
 solve::LoadStepReport StaticProblem::solve(const SolveOptions& options, const SolveEvents& events)
 {
   check(options);
+  const OneCall call(_solving, "solve");
   solve::NewtonOptions newton;
   newton.rtol = options.rtol;
   newton.atol = options.atol;

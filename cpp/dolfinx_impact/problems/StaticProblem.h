@@ -51,6 +51,7 @@ public:
   /// @throws std::runtime_error no convergence; the problem is in its last converged state, as after exceptions of
   /// events
   /// @throws std::invalid_argument options out of range, or what PETSc does not take
+  /// @throws common::Failure if a solve is under way, that has called an event
   solve::LoadStepReport solve(const SolveOptions& options = {}, const SolveEvents& events = {});
   /// The same, but increments are solved by a function of one's own; of `options` steps and cut_backs are read.
   /// Collective.
@@ -88,5 +89,6 @@ private:
   std::vector<std::unique_ptr<std::vector<double>>> _reached; ///< loads of the last solve, of those without a view
   /// Of the present solve. After an exception, which may be that of one rank, it stays until ranks are together again.
   std::unique_ptr<solve::IncrementSolver> _solver;
+  bool _solving = false;
 };
 } // namespace dolfinx_impact::problems

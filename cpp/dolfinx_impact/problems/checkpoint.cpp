@@ -106,6 +106,7 @@ void restore(const std::filesystem::path& path, StaticProblem& problem, const fi
 void save(const std::filesystem::path& path, NewmarkProblem& problem, const files::Attributes& identity)
 {
   files::write(path, problem.equilibrium()->space(), saved_state(problem), identity_of(problem, "implicit", identity));
+  problem.forget();
 }
 
 void restore(const std::filesystem::path& path, NewmarkProblem& problem, const files::Attributes& identity)
@@ -115,6 +116,7 @@ void restore(const std::filesystem::path& path, NewmarkProblem& problem, const f
   check_numbers(path, saved.state, false);
   check_time(path, saved.state);
   resume(problem, saved.state);
+  problem.forget();
 }
 
 // --- explicit problems ---

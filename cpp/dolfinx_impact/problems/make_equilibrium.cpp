@@ -2,8 +2,10 @@
 #include "make_equilibrium.h"
 #include "../enforcement/mortar/MortarContact.h"
 #include "../enforcement/mortar/shared_nodes.h"
+#include "../operators/PetscErrorText.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
+#include <stdexcept>
 
 namespace dolfinx_impact::problems
 {
@@ -34,14 +36,17 @@ std::vector<std::vector<std::int32_t>> field_dofs(const dolfinx::fem::FunctionSp
 }
 
 /// Whether multipliers are condensed where they can be: the option contact_condense, on the command line or given.
+/// @throws std::invalid_argument if its value is neither true nor false
 bool condenses(const SolverOptions& options, const std::string& prefix)
 {
+  const operators::PetscErrorText error;
   PetscBool found = PETSC_TRUE, given = PETSC_FALSE;
-  operators::check(PetscOptionsGetBool(nullptr, prefix.c_str(), "-contact_condense", &found, &given),
-                   "options are read");
+  PetscErrorCode code = PetscOptionsGetBool(nullptr, prefix.c_str(), "-contact_condense", &found, &given);
   const auto own = options.petsc.find("contact_condense");
-  if (!given && own != options.petsc.end())
-    operators::check(PetscOptionsStringToBool(own->second.c_str(), &found), "options are read");
+  if (!code && !given && own != options.petsc.end() && !own->second.empty()) // without a value it is true
+    code = PetscOptionsStringToBool(own->second.c_str(), &found);
+  if (code)
+    throw std::invalid_argument("the option contact_condense of " + prefix + " is true or false: " + error.text());
   return found == PETSC_TRUE;
 }
 
@@ -74,7 +79,8 @@ make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_
       multipliers.push_back(mortar);
   const std::string common = options.prefix.empty() ? prefix : options.prefix;
   const bool shared = enforcement::connect(multipliers);
-  p.keeps_multipliers = shared || (!multipliers.empty() && !condenses(options, common)) ||
+  const bool condense = condenses(options, common);
+  p.keeps_multipliers = shared || (!multipliers.empty() && !condense) ||
                         std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
                                             { return contact->options().basis != gap::Multipliers::dual; });
   p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, common, p.keeps_multipliers,

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numeric>
 #include <stdexcept>
 
 using dolfinx_impact::operators::check;
@@ -17,7 +16,7 @@ namespace dolfinx_impact::solve
 namespace
 {
 constexpr double linear_step = 1e-3; // relative tolerance of the linear step to prescribed values
-// Functions of Python's PETSc may stand for the package's own method under this name.
+// The name of the package's own method in options for Python: there SNES calls methods that are not PETSc's so.
 constexpr const char* own_in_python = "python";
 
 Vec make_vector(MPI_Comm comm, std::size_t num_owned)
