@@ -8,7 +8,18 @@ import re
 import subprocess
 import sys
 
-STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "solve", "integrators", "problems")
+STAGES = (
+    "kernels",
+    "operators",
+    "surface",
+    "search",
+    "gap",
+    "enforcement",
+    "solve",
+    "integrators",
+    "rolling",
+    "problems",
+)
 # What no stage is: small tools; the state as data, which every stage may describe its own in; files of states.
 BELOW = ("common", "state", "files")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
