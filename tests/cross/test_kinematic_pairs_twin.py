@@ -10,7 +10,7 @@ import pytest
 from dolfinx import fem
 
 import dolfinx_impact as di
-from dolfinx_impact.verify.bodies import Body
+from impact_verify.bodies import Body
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "unit" / "contact"))
 from kinematic_pairs_checks import CASES, boxes_of  # noqa: E402
