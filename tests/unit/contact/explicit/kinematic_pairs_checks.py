@@ -1,17 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Kinematic contact of several pairs whose surfaces share nodes, on the ranks of COMM_WORLD."""
 
-import pathlib
-import sys
-
 import numpy as np
 from mpi4py import MPI
+from partitioned_bodies import scattered
 from several_boxes import Boxes, momentum, own_energy
 
 import dolfinx_impact as di
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-from partitioned_bodies import scattered  # noqa: E402
 
 COMM = MPI.COMM_WORLD
 

@@ -1,17 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Penalty contact of a pair as functions of the displacements, for tests; on the ranks of a communicator."""
 
-import pathlib
-import sys
-
 import basix
 import numpy as np
 from mpi4py import MPI
+import partitioned_bodies
 
 from dolfinx_impact import _cpp
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import partitioned_bodies  # noqa: E402
 
 FACETS = {
     "triangle": basix.CellType.interval,

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-MODULES = os.pathsep.join((str(HERE), str(HERE.parents[1])))  # of checks and of all tests
+MODULES = os.pathsep.join((str(HERE.parent / "dynamics"), str(HERE.parents[1])))  # of checks and of all tests
 
 RECORD = """
 import os, resource, signal, sys

@@ -9,7 +9,7 @@ import ufl
 from dolfinx import fem, la, mesh
 from mixed_spaces_checks import solve_plainly
 from mpi4py import MPI
-from problem_checks import clamp, facets_at, space, total
+from static_problem_checks import clamp, facets_at, space, total
 from shared_folder import shared_folder
 
 import dolfinx_impact as di

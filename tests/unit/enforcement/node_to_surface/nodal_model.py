@@ -1,17 +1,12 @@
 # SPDX-License-Identifier: MIT
 """Explicit contact of two bodies, or of one with an obstacle, step by step; on the ranks of a communicator."""
 
-import pathlib
-import sys
-
 import numpy as np
 from dolfinx.common import IndexMap
 from mpi4py import MPI
+import partitioned_bodies
 
 from dolfinx_impact import _cpp
-
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import partitioned_bodies  # noqa: E402
 
 
 class Nodal:

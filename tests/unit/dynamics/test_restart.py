@@ -163,6 +163,6 @@ def test_a_write_that_fails_in_the_middle(ranks, case, mpirun, tmp_path):
     folder, disk = tmp_path / "run", tmp_path / "disk.so"
     folder.mkdir()
     compiler = os.environ.get("CXX", "c++").split()
-    subprocess.run([*compiler, "-shared", "-fPIC", "-o", disk, HERE / "disk.cpp", "-ldl"], check=True)
+    subprocess.run([*compiler, "-shared", "-fPIC", "-o", disk, HERE.parent / "io" / "disk.cpp", "-ldl"], check=True)
     output = mpirun(ranks, HALF_WRITTEN, folder, case, MODULES, env={"LD_PRELOAD": str(disk)})
     assert output.count("went on") == ranks

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
-from values_in_time_checks import CELLS, LAMBDA, MU, Block, rows
+from in_time_checks import CELLS, LAMBDA, MU, Block, rows
 
 import dolfinx_impact as di
 from dolfinx_impact.assembly.curvature import extremes

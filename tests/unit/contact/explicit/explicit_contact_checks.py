@@ -2,20 +2,16 @@
 """Frictional impact of bodies that are cut by the ranks, against the same run on one rank, and what it must keep. See
 on_ranks.py."""
 
-import pathlib
-import sys
-
 import numpy as np
 from dolfinx import fem
 from idle_rank import working_ranks
 from mpi4py import MPI
 from on_ranks import on_rank_0
+from partitioned_bodies import scattered
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-from partitioned_bodies import scattered  # noqa: E402
 
 COMM = MPI.COMM_WORLD
 STEPS, LOOKS = 1000, 20

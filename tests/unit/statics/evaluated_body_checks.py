@@ -9,7 +9,7 @@ import pytest
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
-from problem_checks import clamp, space
+from static_problem_checks import clamp, space
 
 import dolfinx_impact as di
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Static problems on 1, 2 and 3 ranks, and what StaticProblem refuses."""
 
-import problem_checks
+import static_problem_checks
 import pytest
 from on_ranks import rank_tests
 import ufl
@@ -10,12 +10,12 @@ from dolfinx import fem
 import dolfinx_impact as di
 
 
-test_one_rank, test_several_ranks = rank_tests(problem_checks)
+test_one_rank, test_several_ranks = rank_tests(static_problem_checks)
 
 
 def test_material_or_residual():
-    domain = problem_checks.body("triangle")
-    V = problem_checks.space(domain)
+    domain = static_problem_checks.body("triangle")
+    V = static_problem_checks.space(domain)
     u, law = fem.Function(V, name="u"), di.LinearElastic(1.0, 0.3, hypothesis="plane_strain")
     residual = di.operators.internal_force_form(u, ufl.TestFunction(V), law)
     with pytest.raises(ValueError, match="either a material or a residual"):
@@ -29,8 +29,8 @@ def test_material_or_residual():
 
 
 def test_loads_share_their_tags():
-    domain = problem_checks.body("triangle")
-    u = fem.Function(problem_checks.space(domain), name="u")
-    loads = [di.Traction(problem_checks.facets_at(domain, x=1.0), 1, (0.0, 1.0)) for _ in range(2)]
+    domain = static_problem_checks.body("triangle")
+    u = fem.Function(static_problem_checks.space(domain), name="u")
+    loads = [di.Traction(static_problem_checks.facets_at(domain, x=1.0), 1, (0.0, 1.0)) for _ in range(2)]
     with pytest.raises(ValueError, match="share one subdomain_data.*one MeshTags"):
         di.StaticProblem(u, di.LinearElastic(1.0, 0.3, hypothesis="plane_strain"), loads=loads)

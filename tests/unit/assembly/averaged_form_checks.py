@@ -10,7 +10,7 @@ from dolfinx import fem, mesh
 from mixed_spaces_checks import clamp as clamp_mixed
 from mixed_spaces_checks import solve_plainly
 from mpi4py import MPI
-from problem_checks import body, clamp, space
+from static_problem_checks import body, clamp, space
 
 import dolfinx_impact as di
 from dolfinx_impact.assembly.cell_matrices import CellMatrices

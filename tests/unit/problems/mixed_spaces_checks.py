@@ -10,7 +10,7 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from petsc4py import PETSc
-from problem_checks import CELLS, body
+from static_problem_checks import CELLS, body
 
 import dolfinx_impact as di
 

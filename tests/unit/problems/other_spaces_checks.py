@@ -13,7 +13,7 @@ from dolfinx import fem, mesh
 from mixed_spaces_checks import clamp, solve_plainly, taylor_hood, two_field
 from mpi4py import MPI
 from petsc4py import PETSc
-from problem_checks import body
+from static_problem_checks import body
 
 import dolfinx_impact as di
 from dolfinx_impact.statics import linear_solver
