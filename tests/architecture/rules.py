@@ -360,6 +360,42 @@ def line_counts(root):
     return {p.relative_to(root): len(text.splitlines()) for p in files if (text := text_of(p)) is not None}
 
 
+# Folders of tests/unit beside those of the packages and the stages: of what lies beside python/ and cpp/.
+UNIT_BESIDE = {
+    "forms": "the physics in UFL, forms/",
+    "forms/compiler": "from UFL to C++, forms/compiler/",
+    "meshes": "recipes and committed meshes, meshes/",
+    "env": "how a machine gets its environment, env/",
+}
+# Packages whose tests are no unit tests of a folder of their own.
+TESTED_ELSEWHERE = {
+    "creep": "tests/unit/rolling, with the problems that it solves",
+    "verify": "tests/cross, with the solver that it compares with",
+}
+
+
+def unit_folder_violations(root):
+    """Folders of tests/unit whose name is not where the tested code is, packages without a folder, names used twice."""
+    root = pathlib.Path(root).resolve()
+    unit, library = root / "tests" / "unit", root / "cpp" / "dolfinx_impact"
+    packages = [path for path in (root / "python").glob("*") if path.is_dir()]
+    folders, complaints, known = set(), [], {}
+    for path in sources(unit, (".py",)):
+        if path.name != "conftest.py" and path.name in known:
+            complaints.append(f"{path.relative_to(root)}: {known[path.name].relative_to(root)} has this name, too")
+        known[path.name] = path
+        folders.add(path.parent.relative_to(unit).as_posix())
+    for name in sorted(folders - set(UNIT_BESIDE)):
+        python = any((package / name).is_dir() or (package / f"{name}.py").is_file() for package in packages)
+        if not python and not (library / name).is_dir():
+            complaints.append(f"tests/unit/{name}: neither a package, a module nor a stage has this name")
+    for path in sorted((root / "python" / "dolfinx_impact").rglob("__init__.py")):
+        name = path.parent.relative_to(root / "python" / "dolfinx_impact").as_posix()
+        if name != "." and name.partition("/")[0] not in TESTED_ELSEWHERE and name not in folders:
+            complaints.append(f"python/dolfinx_impact/{name}: no folder of tests/unit has the name of this package")
+    return complaints
+
+
 LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long
 
 
