@@ -120,6 +120,53 @@ def test_packages_complain(tree, name, line):
     assert name in complaint
 
 
+GOOD_BESIDE = {
+    "dolfinx_impact/__init__.py": "from . import verify\n",
+    "dolfinx_impact/verify/__init__.py": "if TYPE_CHECKING:\n    from impact_verify import OwnForm\n",
+    "dolfinx_impact/cli.py": "def main():\n    from impact_studies.creep.run import main\n",
+    "impact_reference/__init__.py": "import numpy\n",
+    "impact_verify/__init__.py": "def check():\n    from .run import check\n",
+    "impact_verify/run.py": "import impact_reference\nfrom dolfinx_impact.verify_all import x\n",
+    "impact_studies/__init__.py": "",
+    "impact_studies/creep/run.py": "from dolfinx_impact import statics\n",
+    "impact_studies/bench/rolling.py": "from ..creep.run import main\n",
+}
+
+
+def test_packages_beside_pass_a_good_tree(tree):
+    root = tree({f"python/{name}": text for name, text in GOOD_BESIDE.items()})
+    assert rules.beside_violations(root) == [] and rules.import_circles(root) == []
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        ("dolfinx_impact/__init__.py", "import impact_verify"),
+        ("dolfinx_impact/verify/__init__.py", "from impact_verify import OwnForm"),  # not late
+        ("dolfinx_impact/cli.py", "from impact_studies.creep.run import main"),
+        ("dolfinx_impact/cli.py", "def main():\n    import impact_reference"),
+        ("dolfinx_impact/statics/problem.py", "def late():\n    from impact_verify import nodes"),
+        ("impact_verify/run.py", "from impact_studies import bench"),
+        ("impact_verify/run.py", "from dolfinx_impact.verify import OwnForm"),
+        ("impact_verify/run.py", "from dolfinx_impact import cli"),
+        ("impact_studies/creep/run.py", "import impact_reference"),
+        ("impact_studies/creep/run.py", "def late():\n    from impact_verify import bodies"),
+        ("impact_studies/creep/run.py", "from ..bench import rolling"),
+        ("impact_studies/misc/run.py", "import numpy"),  # a study that has no place
+    ],
+)
+def test_packages_beside_complain(tree, name, text):
+    root = tree({f"python/{n}": t for n, t in {**GOOD_BESIDE, name: text + "\n"}.items()})
+    (complaint,) = rules.beside_violations(root)
+    assert name in complaint
+
+
+@pytest.mark.parametrize("package", ["impact_verify", "impact_studies"])
+def test_circles_are_found_in_packages_beside_the_library(tree, package):
+    root = tree({f"python/{package}/{a}.py": f"from . import {b}\n" for a, b in ("xy", "yx")})
+    assert rules.import_circles(root) == [f"{package}.x, {package}.y: import each other"]
+
+
 GOOD_ROOMS = {
     "BoxTree.h": "#include <vector>\n",
     "Exchange.h": '#include "BoxTree.h"\n',

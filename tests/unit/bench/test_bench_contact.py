@@ -3,7 +3,7 @@
 
 import pytest
 
-from dolfinx_impact.bench import contact as bench_contact
+from impact_studies.bench import contact as bench_contact
 
 pytestmark = pytest.mark.alone
 

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from dolfinx_impact.bench import explicit as bench_explicit
-from dolfinx_impact.bench.setup import Setup
+from impact_studies.bench import explicit as bench_explicit
+from impact_studies.bench.setup import Setup
 
 pytestmark = pytest.mark.alone
 

@@ -28,6 +28,7 @@ class QuadraturePenalty(StaticContactView):
     """
 
     has_multipliers = False
+    all_in_cpp = True
 
     def __init__(self, pair: ContactPair, problem: StaticContactProblem, **options: Any) -> None:
         self.pair, self.problem, self.options, V = pair, problem, options, problem.space

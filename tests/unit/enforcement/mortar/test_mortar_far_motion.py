@@ -5,7 +5,7 @@ import numpy as np
 from dolfinx import fem
 
 import dolfinx_impact as di
-from dolfinx_impact.verify.contact_bodies import MASTER, SLAVE, steel, two_bodies
+from impact_verify.contact_bodies import MASTER, SLAVE, steel, two_bodies
 
 
 def test_integrals_survive_new_exchanges():
