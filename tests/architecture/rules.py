@@ -369,7 +369,7 @@ UNIT_BESIDE = {
 }
 # Packages whose tests are no unit tests of a folder of their own.
 TESTED_ELSEWHERE = {
-    "creep": "tests/unit/rolling, with the problems that it solves",
+    "own_forms": "tests/cross, with the checks that take such forms",
     "verify": "tests/cross, with the solver that it compares with",
 }
 
