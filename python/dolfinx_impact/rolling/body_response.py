@@ -48,7 +48,7 @@ class BodyResponse:
     """
 
     def __init__(self, V: FunctionSpace, fixed: BoolArray) -> None:
-        self._fixed, self._pinned = np.flatnonzero(fixed), np.ascontiguousarray(fixed, dtype=np.int8)
+        self._fixed, self._pinned = np.flatnonzero(fixed), np.ascontiguousarray(fixed)
         limits = _cpp.solve.LinearSolverLimits()
         limits.patience = PATIENCE
         self._solver = LinearSolver(V, OPTIONS, PREFIX, limits=limits)

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _cpp
-from ..common.types import BoolArray, FloatArray, IntArray
+from ..common.types import BoolArray, Float64Array, FloatArray, IntArray
 from ..contact.mortar.lagrange import Lagrange, LagrangeContact
 from ..contact.pair import ContactStatus
 from .flow import Flow
@@ -71,8 +71,8 @@ class RollingContact(LagrangeContact):
         self.velocity_jump: PETSc.Mat | None = None
         self.rate: float | None = None
         self.held: BoolArray = np.zeros((len(self.nodes), self.gdim), dtype=bool)
-        self._slip_velocity: FloatArray = np.zeros((len(self.nodes), self.gdim))
-        self._friction_power: FloatArray = np.zeros(1)
+        self._slip_velocity: Float64Array = np.zeros((len(self.nodes), self.gdim))
+        self._friction_power: Float64Array = np.zeros(1)
 
     def _friction_of_increments(self) -> float:
         """As in statics: there is none."""
@@ -116,6 +116,7 @@ class RollingContact(LagrangeContact):
             at = self.geometry.numbers
             self.jump = node_matrix(self.problem.space, at, at, self.geometry.weight)
         else:
+            assert isinstance(self.geometry, _cpp.multipliers.DeformableGeometry)
             self.jump = self.geometry.jump_matrix().copy()
         self.velocity_jump = self.jump.matMult(self._derivative)
         self.held = self._held_components(self.jump)
