@@ -17,7 +17,7 @@ import time
 
 from mpi4py import MPI
 
-from dolfinx_impact.rail_joint import Case, RailJoint
+from impact_studies.rail_joint import Case, RailJoint
 
 comm, started = MPI.COMM_WORLD, time.perf_counter()
 fast = os.environ.get("IMPACT_DEMO_FAST") == "1"  # coarse cells, a shorter way, for tests

@@ -31,7 +31,7 @@ from dolfinx_impact.assembly import operators
 from dolfinx_impact.demos.applications.figures import wheel as figures
 from dolfinx_impact.io.gather import gather_field, gather_mesh, gather_rows
 from dolfinx_impact.io.run_folder import RunFolder, vertex_average
-from dolfinx_impact.verify import nodes
+from impact_verify import nodes
 
 comm, started = MPI.COMM_WORLD, time.perf_counter()
 fast = os.environ.get("IMPACT_DEMO_FAST") == "1"  # coarse meshes, for tests

@@ -13,8 +13,8 @@ import os
 import numpy as np
 
 import dolfinx_impact as di
-from dolfinx_impact.creep import figure
-from dolfinx_impact.creep.model import CreepModel, WheelOnRail
+from impact_studies.creep import figure
+from impact_studies.creep.model import CreepModel, WheelOnRail
 from dolfinx_impact.io import plots
 from dolfinx_impact.io.run_folder import RunFolder
 

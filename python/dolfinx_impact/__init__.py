@@ -3,12 +3,13 @@
 
 This package exports the classes that a user composes. Its subpackages follow the data flow: assembly (kernels,
 operators, lumped mass), contact, statics, dynamics, io. `dolfinx_impact.forms` has the physics in UFL, `theory` has
-closed-form solutions, and `verify` compares the package with the hand-written solver.
+closed-form solutions, and `verify`, a package beside this one, compares it with the hand-written solver.
 """
 
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
 from .common.lone_error import abort_at_exit
+from .common.moved_packages import find_moved_modules
 from .common.units import MILLIMETRES, SI, Units
 from .common.visible_warnings import undo_capture
 from .contact import (
@@ -44,6 +45,7 @@ from .statics.problem import StaticProblem
 
 undo_capture()
 abort_at_exit()
+find_moved_modules()
 
 __version__ = "0.1.0"
 

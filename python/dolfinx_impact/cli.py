@@ -237,7 +237,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     argv = sys.argv[1:] if argv is None else list(argv)
     if argv[:1] == ["verify"]:
-        from .verify.run import main as verify_main
+        from impact_verify.run import main as verify_main
 
         return verify_main(argv[1:])
     if argv[:1] == ["compile"]:
@@ -245,19 +245,19 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return compile_main(argv[1:])
     if argv[:1] == ["creep"]:
-        from .creep.run import main as creep_main
+        from impact_studies.creep.run import main as creep_main
 
         return creep_main(argv[1:])
     if argv[:1] == ["joint"]:
-        from .rail_joint.run import main as joint_main
+        from impact_studies.rail_joint.run import main as joint_main
 
         return joint_main(argv[1:])
     if argv[:1] == ["study"]:
-        from .rail_joint.study import main as study_main
+        from impact_studies.rail_joint.study import main as study_main
 
         return study_main(argv[1:])
     if argv[:1] == ["bench"]:
-        from .bench.run import main as bench_main
+        from impact_studies.bench.run import main as bench_main
 
         return bench_main(argv[1:])
     arguments = _parser().parse_args(argv)

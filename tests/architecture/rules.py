@@ -8,7 +8,18 @@ import re
 import subprocess
 import sys
 
-STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "solve", "integrators", "problems")
+STAGES = (
+    "kernels",
+    "operators",
+    "surface",
+    "search",
+    "gap",
+    "enforcement",
+    "solve",
+    "integrators",
+    "rolling",
+    "problems",
+)
 # What no stage is: small tools; the state as data, which every stage may describe its own in; files of states.
 BELOW = ("common", "state", "files")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
@@ -16,8 +27,14 @@ ROOMS = {"search": (".", "closest_point", "node_tracker")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
 PACKAGES = ("common", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
 PACKAGES += ("added_mass", "io", "theory")
-PACKAGES += ("contact", "recording", "statics", "rolling", "dynamics", "creep", "rail_joint", "verify")
-PACKAGES += ("compile", "bench", "cli")
+PACKAGES += ("contact", "recording", "statics", "rolling", "dynamics", "own_forms", "compile", "verify", "cli")
+# Packages beside it, with those of ours that each may import; the library has a door to the first and commands of both.
+BESIDE = {
+    "impact_verify": ("dolfinx_impact", "impact_reference"),
+    "impact_studies": ("dolfinx_impact",),
+}
+DOORS = ("verify/__init__.py", "cli.py")  # of the library: inside functions, or for types
+STUDIES = ("creep", "rail_joint", "bench")  # of impact_studies, in the order in which they may import each other
 CXX = (".h", ".cpp")
 SOURCES = (".h", ".cpp", ".py", ".cmake", ".txt", ".sh", "")  # "": Makefile, env/run
 LONG = 400  # lines of a file that are worth a look
@@ -135,6 +152,55 @@ def package_violations(root):
     return complaints
 
 
+def _late_lines(tree):
+    """Lines inside functions and under `if TYPE_CHECKING`: importing the file does not run what stands there."""
+    lines = set()
+    for node in ast.walk(tree):
+        typing = isinstance(node, ast.If) and getattr(node.test, "id", None) == "TYPE_CHECKING"
+        if typing or isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            lines.update(line for part in node.body for line in range(part.lineno, part.end_lineno + 1))
+    return lines
+
+
+def beside_violations(root):
+    """Rule 2 for the packages beside the library: what they import, and where the library may import them."""
+    base = pathlib.Path(root).resolve() / "python"
+    ours = {"dolfinx_impact", "impact_reference", *BESIDE}
+    complaints = []
+    for path in sources(base / "dolfinx_impact", (".py",)):
+        name = path.relative_to(base / "dolfinx_impact").as_posix()
+        late = _late_lines(ast.parse(path.read_text(), str(path))) if name in DOORS else set()
+        for line, module in imported_modules(path):
+            other = module.split(".")[0]
+            if other in ours - {"dolfinx_impact"} and (other not in BESIDE or line not in late):
+                complaints.append(f"{path.relative_to(root)}:{line}: the library imports {module}")
+    for package, allowed in BESIDE.items():
+        for path in sources(base / package, (".py",)):
+            for line, module in imported_modules(path):
+                parts = module.split(".")
+                behind_door = parts[0] == "dolfinx_impact" and parts[1:2] in (["verify"], ["cli"])
+                if behind_door or (parts[0] in ours and parts[0] not in (package, *allowed)):
+                    complaints.append(f"{path.relative_to(root)}:{line}: {package} imports {module}")
+    return complaints + _study_violations(base / "impact_studies", root)
+
+
+def _study_violations(base, root):
+    """Studies that import one that comes after them."""
+    complaints = []
+    for name, (path, _) in (modules := _modules(base.parent, base.name)).items():
+        here = name.split(".")[1:2]
+        if not here:
+            continue
+        if here[0] not in STUDIES:
+            complaints.append(f"{path.relative_to(root)}: {here[0]} has no place in the order of the studies")
+            continue
+        for other in sorted(_imports(name, modules)):
+            study = other.split(".")[1]
+            if study in STUDIES and STUDIES.index(study) > STUDIES.index(here[0]):
+                complaints.append(f"{path.relative_to(root)}: {here[0]} must not import {study}")
+    return complaints
+
+
 def _modules(base, package):
     """Modules of a package by dotted name, with their syntax trees; a package is its __init__."""
     found = {}
@@ -165,10 +231,13 @@ def _imports(name, modules):
 
 
 def import_circles(root):
-    """Modules of python/dolfinx_impact that lead back to themselves by imports, those for types and inside functions
+    """Modules of the Python packages that lead back to themselves by imports, those for types and inside functions
     included: they can be read only all at once.
     """
-    modules = _modules(pathlib.Path(root).resolve() / "python", "dolfinx_impact")
+    base = pathlib.Path(root).resolve() / "python"
+    modules = {}
+    for package in ("dolfinx_impact", *BESIDE):
+        modules |= _modules(base, package)
     imported = {name: _imports(name, modules) for name in modules}
     reached = {}
     for name in modules:
@@ -249,12 +318,12 @@ def import_violations(folder, allowed, root, left_out=None):
 def unsafe_flags(root):
     """Compiler flags that break NaN checks and complementarity tests.
 
-    The benchmark's second baseline compiles DOLFINx's kernel with one of them, on purpose: bench/setup.py may name it.
+    The benchmark's second baseline compiles DOLFINx's kernel with one of them, on purpose: its bench/setup.py may.
     """
     flags = ("-f" + "fast-math", "-O" + "fast", "-f" + "finite-math-only", "-f" + "associative-math")
     complaints = []
     for path in project_files(root):
-        if path.relative_to(root).as_posix() == "python/dolfinx_impact/bench/setup.py":
+        if path.relative_to(root).as_posix() == "python/impact_studies/bench/setup.py":
             continue
         builds = path.suffix in (".cmake", ".json", ".toml", ".sh", ".py", "") or path.name == "CMakeLists.txt"
         text = text_of(path) if builds else None
@@ -290,6 +359,42 @@ def line_counts(root):
     files = [p for p in project_files(root) if p.suffix in SOURCES and p.suffix != ".txt" or p.name == "CMakeLists.txt"]
     files = [p for p in files if p.name not in ("LICENSE",)]
     return {p.relative_to(root): len(text.splitlines()) for p in files if (text := text_of(p)) is not None}
+
+
+# Folders of tests/unit beside those of the packages and the stages: of what lies beside python/ and cpp/.
+UNIT_BESIDE = {
+    "forms": "the physics in UFL, forms/",
+    "forms/compiler": "from UFL to C++, forms/compiler/",
+    "meshes": "recipes and committed meshes, meshes/",
+    "env": "how a machine gets its environment, env/",
+}
+# Packages whose tests are no unit tests of a folder of their own.
+TESTED_ELSEWHERE = {
+    "creep": "tests/unit/rolling, with the problems that it solves",
+    "verify": "tests/cross, with the solver that it compares with",
+}
+
+
+def unit_folder_violations(root):
+    """Folders of tests/unit whose name is not where the tested code is, packages without a folder, names used twice."""
+    root = pathlib.Path(root).resolve()
+    unit, library = root / "tests" / "unit", root / "cpp" / "dolfinx_impact"
+    packages = [path for path in (root / "python").glob("*") if path.is_dir()]
+    folders, complaints, known = set(), [], {}
+    for path in sources(unit, (".py",)):
+        if path.name != "conftest.py" and path.name in known:
+            complaints.append(f"{path.relative_to(root)}: {known[path.name].relative_to(root)} has this name, too")
+        known[path.name] = path
+        folders.add(path.parent.relative_to(unit).as_posix())
+    for name in sorted(folders - set(UNIT_BESIDE)):
+        python = any((package / name).is_dir() or (package / f"{name}.py").is_file() for package in packages)
+        if not python and not (library / name).is_dir():
+            complaints.append(f"tests/unit/{name}: neither a package, a module nor a stage has this name")
+    for path in sorted((root / "python" / "dolfinx_impact").rglob("__init__.py")):
+        name = path.parent.relative_to(root / "python" / "dolfinx_impact").as_posix()
+        if name != "." and name.partition("/")[0] not in TESTED_ELSEWHERE and name not in folders:
+            complaints.append(f"python/dolfinx_impact/{name}: no folder of tests/unit has the name of this package")
+    return complaints
 
 
 LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long

@@ -120,6 +120,53 @@ def test_packages_complain(tree, name, line):
     assert name in complaint
 
 
+GOOD_BESIDE = {
+    "dolfinx_impact/__init__.py": "from . import verify\n",
+    "dolfinx_impact/verify/__init__.py": "if TYPE_CHECKING:\n    from impact_verify import OwnForm\n",
+    "dolfinx_impact/cli.py": "def main():\n    from impact_studies.creep.run import main\n",
+    "impact_reference/__init__.py": "import numpy\n",
+    "impact_verify/__init__.py": "def check():\n    from .run import check\n",
+    "impact_verify/run.py": "import impact_reference\nfrom dolfinx_impact.verify_all import x\n",
+    "impact_studies/__init__.py": "",
+    "impact_studies/creep/run.py": "from dolfinx_impact import statics\n",
+    "impact_studies/bench/rolling.py": "from ..creep.run import main\n",
+}
+
+
+def test_packages_beside_pass_a_good_tree(tree):
+    root = tree({f"python/{name}": text for name, text in GOOD_BESIDE.items()})
+    assert rules.beside_violations(root) == [] and rules.import_circles(root) == []
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        ("dolfinx_impact/__init__.py", "import impact_verify"),
+        ("dolfinx_impact/verify/__init__.py", "from impact_verify import OwnForm"),  # not late
+        ("dolfinx_impact/cli.py", "from impact_studies.creep.run import main"),
+        ("dolfinx_impact/cli.py", "def main():\n    import impact_reference"),
+        ("dolfinx_impact/statics/problem.py", "def late():\n    from impact_verify import nodes"),
+        ("impact_verify/run.py", "from impact_studies import bench"),
+        ("impact_verify/run.py", "from dolfinx_impact.verify import OwnForm"),
+        ("impact_verify/run.py", "from dolfinx_impact import cli"),
+        ("impact_studies/creep/run.py", "import impact_reference"),
+        ("impact_studies/creep/run.py", "def late():\n    from impact_verify import bodies"),
+        ("impact_studies/creep/run.py", "from ..bench import rolling"),
+        ("impact_studies/misc/run.py", "import numpy"),  # a study that has no place
+    ],
+)
+def test_packages_beside_complain(tree, name, text):
+    root = tree({f"python/{n}": t for n, t in {**GOOD_BESIDE, name: text + "\n"}.items()})
+    (complaint,) = rules.beside_violations(root)
+    assert name in complaint
+
+
+@pytest.mark.parametrize("package", ["impact_verify", "impact_studies"])
+def test_circles_are_found_in_packages_beside_the_library(tree, package):
+    root = tree({f"python/{package}/{a}.py": f"from . import {b}\n" for a, b in ("xy", "yx")})
+    assert rules.import_circles(root) == [f"{package}.x, {package}.y: import each other"]
+
+
 GOOD_ROOMS = {
     "BoxTree.h": "#include <vector>\n",
     "Exchange.h": '#include "BoxTree.h"\n',
@@ -211,6 +258,42 @@ def test_plain_forms_complain(tree):
 def test_unfinished_headers_complain(tree):
     root = tree({"cpp/dolfinx_impact/gap/update.h": "/// FIX" + "ME: sign\n", "cpp/a.cpp": "// TO" + "DO\n"})
     assert len(rules.unfinished_headers(root)) == 1
+
+
+GOOD_UNIT = {
+    "python/dolfinx_impact/__init__.py": "",
+    "python/dolfinx_impact/loads.py": "",
+    "python/dolfinx_impact/statics/__init__.py": "",
+    "python/dolfinx_impact/verify/reasons/__init__.py": "",  # tested elsewhere
+    "python/impact_reference/solver/__init__.py": "",
+    "cpp/dolfinx_impact/search/closest_point/Projection.h": "",
+    "tests/unit/conftest_of_nothing/made/mesh.h5": "",  # data of tests is no folder of tests
+    "tests/unit/env/conftest.py": "",
+    "tests/unit/forms/compiler/conftest.py": "",
+    "tests/unit/loads/test_loads.py": "",
+    "tests/unit/statics/test_problem.py": "",
+    "tests/unit/search/closest_point/test_projection.py": "",
+    "tests/unit/solver/test_solver.py": "",
+}
+
+
+def test_folders_of_unit_tests_pass_a_good_tree(tree):
+    assert rules.unit_folder_violations(tree(GOOD_UNIT)) == []
+
+
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        ("tests/unit/problem/test_a.py", "tests/unit/problem: neither a package, a module nor a stage"),
+        ("tests/unit/search/node/test_a.py", "tests/unit/search/node: neither"),
+        ("tests/unit/loads/test_projection.py", "has this name, too"),
+        ("python/dolfinx_impact/io/__init__.py", "python/dolfinx_impact/io: no folder of tests/unit"),
+        ("python/dolfinx_impact/statics/deep/__init__.py", "python/dolfinx_impact/statics/deep: no folder"),
+    ],
+)
+def test_folders_of_unit_tests_complain(tree, name, words):
+    (complaint,) = rules.unit_folder_violations(tree({**GOOD_UNIT, name: ""}))
+    assert words in complaint
 
 
 def test_line_counts(tree):

@@ -24,6 +24,16 @@ def test_no_modules_import_each_other(checkout):
     assert rules.import_circles(checkout) == []
 
 
+def test_packages_beside_the_library_stay_beside_it(checkout):
+    assert rules.beside_violations(checkout) == []
+
+
+def test_importing_the_library_loads_nothing_beside_it():
+    code = "import sys, dolfinx_impact; print(' '.join({name.split('.')[0] for name in sys.modules}))"
+    names = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "dolfinx_impact" in names and not {*rules.BESIDE, "impact_reference"} & set(names)
+
+
 def test_the_order_of_the_packages_is_that_of_the_page(checkout):
     page = (checkout / "docs" / "architecture.md").read_text()
     places = [page.index(f"`{name}/`" if f"`{name}/`" in page else f"`{name}.py`") for name in rules.PACKAGES]
@@ -77,6 +87,10 @@ def test_files_stay_readable(checkout, record_property):
     print("longer than", rules.LONG, "lines:", long)
     assert len(counts) > 20
     assert median < rules.LONG / 2
+
+
+def test_folders_of_unit_tests_are_those_of_the_code(checkout):
+    assert rules.unit_folder_violations(checkout) == []
 
 
 def test_lines_of_pages_end_at_120_columns(checkout):

@@ -4,8 +4,8 @@
 import impact_reference
 import numpy as np
 
-from dolfinx_impact.verify import contact, contact_static
-from dolfinx_impact.verify.report import Report
+from impact_verify import contact, contact_static
+from impact_verify.report import Report
 
 PATCH = ("quadrilateral", "plane_strain", 1, 1)
 

@@ -5,8 +5,8 @@ import numpy as np
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.statics.material_body import MaterialBody
-from dolfinx_impact.verify import element
-from dolfinx_impact.verify.report import Report
+from impact_verify import element
+from impact_verify.report import Report
 
 
 def scaled(function, factor):

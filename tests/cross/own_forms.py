@@ -6,7 +6,7 @@ import ufl
 from dolfinx import fem
 
 import dolfinx_impact as di
-from dolfinx_impact.verify import OwnForm
+from impact_verify import OwnForm
 
 
 def displacement(mesh, degree=1):

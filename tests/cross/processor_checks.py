@@ -8,8 +8,8 @@ import sys
 
 import numpy as np
 
-from dolfinx_impact.verify import history
-from dolfinx_impact.verify.report import Report
+from impact_verify import history
+from impact_verify.report import Report
 
 STEPS = 60
 

@@ -5,7 +5,7 @@ import impact_reference
 import numpy as np
 import pytest
 
-from dolfinx_impact.verify import element, nodes
+from impact_verify import element, nodes
 
 CELLS = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
 

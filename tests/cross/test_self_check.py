@@ -12,9 +12,9 @@ from own_forms import displacement, hooke, neo_hooke, strain
 
 import dolfinx_impact as di
 from dolfinx_impact.dynamics.implicit.problem import NewmarkProblem
-from dolfinx_impact.verify import OwnForm, self_check
-from dolfinx_impact.verify.selfcheck import file, kernels, parameters
-from dolfinx_impact.verify.selfcheck.run import CHECKS
+from impact_verify import OwnForm, self_check
+from impact_verify.selfcheck import file, kernels, parameters
+from impact_verify.selfcheck.run import CHECKS
 
 
 @pytest.fixture(autouse=True)
@@ -340,7 +340,7 @@ RANKS = """
 import ufl
 from dolfinx import fem
 from mpi4py import MPI
-from dolfinx_impact.verify import self_check
+from impact_verify import self_check
 
 def form(wrong):
     def elastic(mesh):

@@ -7,7 +7,7 @@ import pytest
 
 from dolfinx_impact import cli, verify
 from dolfinx_impact.forms import inertia
-from dolfinx_impact.verify import catalogue, run
+from impact_verify import catalogue, run
 
 FEW = ["--levels", "element", "--cells", "triangle", "--degree", "1", "--forms", "mass", "--count", "5"]
 GOOD = """

@@ -10,8 +10,8 @@ from fault_injection import assert_healthy
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
-from dolfinx_impact.verify import contact, contact_bodies, contact_patch
-from dolfinx_impact.verify.report import Report
+from impact_verify import contact, contact_bodies, contact_patch
+from impact_verify.report import Report
 
 # Healthy.
 

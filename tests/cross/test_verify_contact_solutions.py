@@ -9,8 +9,8 @@ from fault_injection import assert_healthy
 from dolfinx_impact import contact as contact_package
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
-from dolfinx_impact.verify import contact_static
-from dolfinx_impact.verify.report import Report
+from impact_verify import contact_static
+from impact_verify.report import Report
 
 
 def test_multipliers_that_are_never_augmented(monkeypatch, contacts_in_python):

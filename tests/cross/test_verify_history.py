@@ -11,8 +11,8 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.dynamics import explicit_bodies
-from dolfinx_impact.verify import cross_check, history, implicit
-from dolfinx_impact.verify.report import Report
+from impact_verify import cross_check, history, implicit
+from impact_verify.report import Report
 
 STEPS = 150  # a fault shows soon
 

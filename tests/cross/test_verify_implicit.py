@@ -16,8 +16,8 @@ from dolfinx_impact.assembly.consistent_mass import ConsistentMass
 from dolfinx_impact.dynamics.implicit import problem as implicit_problem
 from dolfinx_impact.dynamics.implicit.damping import DampingForce
 from dolfinx_impact.dynamics.implicit.mass_redistribution import MassRedistribution
-from dolfinx_impact.verify import cross_check, history, implicit
-from dolfinx_impact.verify.report import Report
+from impact_verify import cross_check, history, implicit
+from impact_verify.report import Report
 
 STEPS = 60  # a fault shows soon
 SMALL = 1 + 1e-6
@@ -87,7 +87,7 @@ def test_runs_belong_to_the_level(monkeypatch):
     """`cross_check` runs them with the level history."""
     called = []
     monkeypatch.setattr(history, "run", lambda *a: None)
-    monkeypatch.setattr("dolfinx_impact.verify.plastic_bodies.history_rows", lambda *a: None)
+    monkeypatch.setattr("impact_verify.plastic_bodies.history_rows", lambda *a: None)
     monkeypatch.setattr(implicit, "run", called.append)
     assert cross_check(levels=["history"]) is called[0]
 

@@ -10,8 +10,8 @@ from dolfinx_impact.assembly.operators import InternalForce
 from dolfinx_impact.forms import consistent_tangent
 from dolfinx_impact.forms import plasticity as law
 from dolfinx_impact.plasticity import ArmstrongFrederick, J2Plasticity
-from dolfinx_impact.verify import cross_check, material, material_tangent, plastic_bodies
-from dolfinx_impact.verify.report import Report
+from impact_verify import cross_check, material, material_tangent, plastic_bodies
+from impact_verify.report import Report
 
 NUM = 20  # histories; a fault shows in each
 SMALL = ("hexahedron", 1, "3d", False, True, "armstrong_frederick")

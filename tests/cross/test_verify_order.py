@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from fault_injection import assert_healthy
 
-from dolfinx_impact.verify import order
-from dolfinx_impact.verify.report import Report
+from impact_verify import order
+from impact_verify.report import Report
 
 CASES = (("triangle", 1, "plane_strain", (4, 8, 16, 32)),)
 FORM = "linear_elastic.tangent"

@@ -8,12 +8,12 @@ from pathlib import Path
 import pytest
 from fault_injection import assert_caught, assert_healthy
 
-from dolfinx_impact.verify import ranks
-from dolfinx_impact.verify.report import Report
+from impact_verify import ranks
+from impact_verify.report import Report
 
 PRELUDE = """
 import sys
-from dolfinx_impact.verify import ranks
+from impact_verify import ranks
 from dolfinx_impact import operators
 ranks.CASES = ranks.CASES[:1]
 ranks.contact_ranks.CASES = [(*c[:3], c[3][:1]) for c in ranks.contact_ranks.CASES[:1] if {contact}]

@@ -15,10 +15,10 @@ from ufl import Identity, det, dx, grad, inner, inv, ln, skew, sym, tr
 
 from dolfinx_impact.assembly.jit import compile_form
 from dolfinx_impact.forms.compiler import frontend
-from dolfinx_impact.verify import catalogue, user_form
-from dolfinx_impact.verify.reasons import numbers
-from dolfinx_impact.verify.reasons.explain import Explanation
-from dolfinx_impact.verify.report import Report
+from impact_verify import catalogue, user_form
+from impact_verify.reasons import numbers
+from impact_verify.reasons.explain import Explanation
+from impact_verify.report import Report
 
 FACTORS = ("a", "b", "c", "d", "e")
 

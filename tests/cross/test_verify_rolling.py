@@ -13,9 +13,9 @@ from dolfinx_impact.rolling import streamlines
 from dolfinx_impact.rolling.contact import RollingContact
 from dolfinx_impact.rolling.flow import Flow
 from dolfinx_impact.rolling.motions import Translation
-from dolfinx_impact.verify import cross_check, rolling, run
-from dolfinx_impact.verify.report import Report
-from dolfinx_impact.verify.rolling_bodies import RollingCase
+from impact_verify import cross_check, rolling, run
+from impact_verify.report import Report
+from impact_verify.rolling_bodies import RollingCase
 
 SMALL = 1 + 1e-6
 CREEPS = ((-1.5e-3, 0.0), (8e-3, 0.0))

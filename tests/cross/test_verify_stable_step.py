@@ -7,8 +7,8 @@ import pytest
 from dolfinx import fem
 
 import dolfinx_impact as di
-from dolfinx_impact.verify import history
-from dolfinx_impact.verify.contact_bodies import SLAVE
+from impact_verify import history
+from impact_verify.contact_bodies import SLAVE
 
 PENALTY = 300.0  # of E/h some 30: the springs make the highest frequency
 NAMES = [

@@ -12,8 +12,8 @@ import pytest
 from dolfinx import mesh
 from scipy.spatial import cKDTree
 
-from dolfinx_impact.verify import history, implicit
-from dolfinx_impact.verify.contact_bodies import MASTER, SLAVE
+from impact_verify import history, implicit
+from impact_verify.contact_bodies import MASTER, SLAVE
 
 LEVELS = {"explicit": history, "implicit": implicit}
 TIMES = 60  # at which nodes are looked at

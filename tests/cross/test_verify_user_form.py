@@ -9,8 +9,8 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from dolfinx_impact.forms import registry
-from dolfinx_impact.verify import cross_check, user_form
-from dolfinx_impact.verify.report import Report
+from impact_verify import cross_check, user_form
+from impact_verify.report import Report
 
 ELASTICITY = """
 import basix.ufl

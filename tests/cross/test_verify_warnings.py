@@ -14,8 +14,8 @@ import dolfinx_impact as di
 from dolfinx_impact.assembly.large_rotation import LargeRotation
 from dolfinx_impact.assembly.locking import Locking, warn_of_locking
 from dolfinx_impact.contact.static_view import INITIAL_PENETRATION
-from dolfinx_impact.verify import run, solution
-from dolfinx_impact.verify.model_warnings import model_warnings_off
+from impact_verify import run, solution
+from impact_verify.model_warnings import model_warnings_off
 
 OTHER = "something else"
 

@@ -8,14 +8,14 @@ import pytest
 from figure_texts import figures, overlaps, without_unit
 
 from dolfinx_impact.contact import ContactStatus
-from dolfinx_impact.creep import figure as creep
-from dolfinx_impact.creep.model import WheelOnRail
+from impact_studies.creep import figure as creep
+from impact_studies.creep.model import WheelOnRail
 from dolfinx_impact.demos.applications.figures import methods
 from dolfinx_impact.demos.applications.models.impacts import CASES, Result
 from dolfinx_impact.io import plots
-from dolfinx_impact.rail_joint import RailJoint
-from dolfinx_impact.rail_joint import figures as joint
-from dolfinx_impact.rail_joint.passage import ENERGIES, History
+from impact_studies.rail_joint import RailJoint
+from impact_studies.rail_joint import figures as joint
+from impact_studies.rail_joint.passage import ENERGIES, History
 
 JOINT = RailJoint()
 TIME = np.linspace(0.0, JOINT.duration, 400)

@@ -4,7 +4,7 @@
 import numpy as np
 from mpi4py import MPI
 
-from dolfinx_impact.rail_joint import JointModel, Passage, RailJoint
+from impact_studies.rail_joint import JointModel, Passage, RailJoint
 
 COMM = MPI.COMM_WORLD
 JOINT = RailJoint().changed(

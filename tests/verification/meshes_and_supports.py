@@ -5,7 +5,7 @@ import numpy as np
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from dolfinx_impact.verify.bodies import block, distort, with_quadratic_geometry
+from dolfinx_impact.own_forms.distorted_block import block, distort, with_quadratic_geometry
 
 __all__ = [
     "block",

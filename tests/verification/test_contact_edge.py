@@ -8,7 +8,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
-from dolfinx_impact.creep.model import CreepModel, WheelOnRail
+from impact_studies.creep.model import CreepModel, WheelOnRail
 
 R, E, NU, SPEED = 500.0, 207e3, 0.3, 1000.0  # [mm, N/mm^2, 1, mm/s]
 SMALL = 2e-6  # creep [1]: nothing slips yet

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dolfinx_impact as di
-from dolfinx_impact.creep.model import CreepModel, WheelOnRail
+from impact_studies.creep.model import CreepModel, WheelOnRail
 
 G, NU = 82e9, 0.28
 CREEP = np.array([4e-4, 1.2e-3, 2.0e-3, 2.8e-3])

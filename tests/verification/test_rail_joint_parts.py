@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from mpi4py import MPI
 
-from dolfinx_impact.rail_joint import JointModel, Passage, RailJoint
-from dolfinx_impact.rail_joint.results import half_axes, summarise
+from impact_studies.rail_joint import JointModel, Passage, RailJoint
+from impact_studies.rail_joint.results import half_axes, summarise
 
 pytestmark = pytest.mark.slow
 COMM = MPI.COMM_WORLD

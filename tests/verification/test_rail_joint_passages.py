@@ -6,7 +6,7 @@ import pytest
 from dolfinx import fem
 from mpi4py import MPI
 
-from dolfinx_impact.rail_joint import JointModel, Passage, RailJoint
+from impact_studies.rail_joint import JointModel, Passage, RailJoint
 
 COMM = MPI.COMM_WORLD
 JOINT = RailJoint().changed(

@@ -12,6 +12,7 @@ from . import (
     operators as operators,
     penalty as penalty,
     problems as problems,
+    rolling as rolling,
     search as search,
     solve as solve,
     state as state,

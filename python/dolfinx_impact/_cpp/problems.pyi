@@ -296,11 +296,82 @@ class NewmarkProblem:
     @property
     def equilibrium(self) -> dolfinx_impact._cpp.solve.EquilibriumProblem: ...
 
+class PowerBalance:
+    """Powers of a steady state [F L/T]"""
+
+    @property
+    def driving(self) -> float: ...
+    @property
+    def friction(self) -> float: ...
+    @property
+    def rolling(self) -> float: ...
+
 class PrescribedMotion:
     """Displacements of a boundary condition times an amplitude"""
 
     def __init__(self, bc: dolfinx.cpp.fem.DirichletBC_float64, start: NDArray[numpy.floating[Any]] | None) -> None:
         """start: amplitude at the start; None: it is constant"""
+
+class RollingProblem:
+    """Bodies through whose meshes the material flows steadily"""
+
+    def __init__(self, equilibrium: StaticProblem, flow: dolfinx_impact._cpp.rolling.Flow) -> None:
+        """Collective"""
+
+    def solve(
+        self,
+        steps: int,
+        rtol: float,
+        atol: float,
+        max_iterations: int,
+        cut_backs: int | None,
+        torque: float | None,
+        log: Callable[[str], None],
+        progress: Callable[[str], None],
+        iteration: Callable[[int, float, float, int, int], None],
+        begins: Callable[[int, float, float], None],
+        accepted: Callable[[float], None],
+    ) -> tuple[dolfinx_impact._cpp.solve.LoadStepReport, str]:
+        """
+        Find the steady state: its report and a warning, or an empty text. Collective
+        """
+
+    def torque(self, motion: int) -> float:
+        """Torque that drives the body of a Spin [F L]. Collective"""
+
+    def axle(self, motion: int) -> list[float]:
+        """Displacement of its axis, (3) [L]. Collective"""
+
+    def power_balance(self) -> PowerBalance:
+        """Collective"""
+
+    def critical_factor(self, W: petsc4py.PETSc.Mat) -> float:
+        """
+        Factor on the present rates at which stiffness minus W becomes singular. Collective
+        """
+
+    def frequencies(
+        self, G: petsc4py.PETSc.Mat, M: petsc4py.PETSc.Mat, along: petsc4py.PETSc.Mat, count: int, tolerance: float
+    ) -> tuple[NDArray[numpy.float64], int]:
+        """
+        Signed frequencies, sorted by modulus, and the number of modes found that grow. Collective
+        """
+
+    def negative_directions(self) -> int:
+        """Number of negative eigenvalues of stiffness minus W. Collective"""
+
+    @property
+    def stable_rates(self) -> list[float]:
+        """Rates up to which the problem is known to be stable"""
+
+    def saved_state(self) -> dolfinx_impact._cpp.state.State:
+        """What a solve starts from, values of its own"""
+
+    def bring_back(self, saved: dolfinx_impact._cpp.state.State) -> None:
+        """Be in the state that saved_state has returned. Collective"""
+
+    def settle(self) -> None:
+        """Take present rates and loads as those that the last solve has reached"""
 
 class RunHistory:
     """Time, energies and contact forces of a run by step, in bounded memory"""

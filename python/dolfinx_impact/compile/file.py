@@ -14,9 +14,9 @@ from dolfinx.mesh import Mesh
 
 from ..forms.registry import CELLS, FORMS
 from ..materials import _Material
-from ..verify import bodies
-from ..verify.selfcheck.file import cells_of, things
-from ..verify.selfcheck.own_form import OwnForm, made
+from ..own_forms import distorted_block
+from ..own_forms.user_file import cells_of, things
+from ..own_forms.own_form import OwnForm, made
 from .case import Case
 from .choice import Choice
 from .form_law import case_of, law_of, terms_of_form, terms_of_own_form
@@ -68,7 +68,7 @@ def _laws_of(thing: Any, name: str, namespace: Mapping[str, Any], choice: Choice
 
 def _mesh(case: Case) -> Mesh:
     """A small mesh of the cells: functions of a mesh are called with it."""
-    return bodies.block(case.cell, 2, case.geometry_degree)
+    return distorted_block.block(case.cell, 2, case.geometry_degree)
 
 
 def _of_material(material: _Material, name: str, choice: Choice) -> Iterator[OwnLaw]:

@@ -14,8 +14,8 @@ from ufl.algorithms import extract_coefficients
 from ..assembly.residual import differentiable
 from ..forms.quadrature import with_rules
 from ..forms.registry import CELLS, default_hypothesis
-from ..verify.selfcheck.file import unknown_of
-from ..verify.selfcheck.own_form import OwnForm
+from ..own_forms.user_file import unknown_of
+from ..own_forms.own_form import OwnForm
 from .case import Case
 from .further_forms import mass_form, stress_form
 from .own_law import DENSITY, DISPLACEMENT, KernelForm, Named, OwnLaw, constants_of, values_of

@@ -7,8 +7,8 @@ import ufl
 
 from dolfinx_impact import materials
 from dolfinx_impact.assembly import operators
-from dolfinx_impact.bench import laws
-from dolfinx_impact.bench.setup import Setup
+from impact_studies.bench import laws
+from impact_studies.bench.setup import Setup
 
 CASE = ("hexahedron", 1, 3)
 

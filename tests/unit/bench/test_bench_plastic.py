@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from dolfinx_impact.bench import explicit as bench_explicit
-from dolfinx_impact.bench import plastic
+from impact_studies.bench import explicit as bench_explicit
+from impact_studies.bench import plastic
 from dolfinx_impact.plasticity import J2Plasticity
 
 pytestmark = pytest.mark.alone

@@ -3,8 +3,8 @@
 
 import pytest
 
-from dolfinx_impact.bench import rolling
-from dolfinx_impact.creep.model import CreepModel
+from impact_studies.bench import rolling
+from impact_studies.creep.model import CreepModel
 
 
 @pytest.mark.slow

@@ -11,20 +11,20 @@ import pytest
 from rich.console import Console
 
 from dolfinx_impact import _cpp
-from dolfinx_impact.bench import contact as bench_contact
-from dolfinx_impact.bench import explicit as bench_explicit
-from dolfinx_impact.bench import force
-from dolfinx_impact.bench import laws as bench_laws
-from dolfinx_impact.bench import plastic as bench_plastic
-from dolfinx_impact.bench import rolling as bench_rolling
-from dolfinx_impact.bench import rows, run
-from dolfinx_impact.bench import statics as bench_statics
-from dolfinx_impact.bench.setup import CASES, FINITE
+from impact_studies.bench import contact as bench_contact
+from impact_studies.bench import explicit as bench_explicit
+from impact_studies.bench import force
+from impact_studies.bench import laws as bench_laws
+from impact_studies.bench import plastic as bench_plastic
+from impact_studies.bench import rolling as bench_rolling
+from impact_studies.bench import rows, run
+from impact_studies.bench import statics as bench_statics
+from impact_studies.bench.setup import CASES, FINITE
 
 PEAKS = """
 import json, sys
 from dolfinx_impact import _cpp
-from dolfinx_impact.bench import force
+from impact_studies.bench import force
 peak = _cpp.bench.peak_flops()
 found = force.force_rows((("hexahedron", 1, 12), ("triangle", 2, 40)), bandwidth=1e10, peak=peak)
 peaks = {lanes: _cpp.bench.peak_flops(lanes) for lanes in (2, 4, 8)}

@@ -3,7 +3,7 @@
 
 import pytest
 
-from dolfinx_impact.bench import statics
+from impact_studies.bench import statics
 
 
 @pytest.mark.parametrize("law", statics.LAWS, ids=lambda law: law.law_class.name)

@@ -26,7 +26,7 @@ def spring(mesh, hypothesis="plane_strain"):
     u, v = fem.Function(V), ufl.TestFunction(V)
     k, unnamed = fem.Constant(mesh, (2.0, 3.0)), fem.Constant(mesh, 5.0)
     ring = 2 * ufl.pi * ufl.SpatialCoordinate(mesh)[0] if hypothesis == "axisymmetric" else 1
-    from dolfinx_impact.verify import OwnForm
+    from impact_verify import OwnForm
 
     residual = (k[0] * u[0] * v[0] + k[1] * u[1] * v[1] + unnamed * ufl.inner(u, v)) * ring * ufl.dx(degree=2)
     return OwnForm(residual, u, parameters={"k": k}, hypothesis=hypothesis)

@@ -12,13 +12,13 @@ import pytest
 import ufl
 from mpi4py import MPI
 
+from dolfinx_impact.own_forms import distorted_block
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.assembly import jit
 from dolfinx_impact.compile import run
 from dolfinx_impact.forms import registry
 from dolfinx_impact.forms.quadrature import with_rules
-from dolfinx_impact.verify import bodies
 
 # Some hundred roundings, which compilers order differently; relative to the largest entry.
 ROUND_OFF = 1e-12
@@ -90,7 +90,7 @@ def test_a_function_of_a_mesh(case, checkout, tmp_path, rng):
     ours = written(file, tmp_path, *options)
     assert set(ours) == {"force", "tangent", "energy", "mass", "stress"}
 
-    mesh = bodies.block(cell, 2, geometry_degree)
+    mesh = distorted_block.block(cell, 2, geometry_degree)
     own = runpy.run_path(str(file))["foam"](mesh, degree)
     u, names = own.u, {own.u: "u"} | {c: n for n, c in own.parameters.items()}
     V = u.function_space
@@ -139,7 +139,7 @@ def test_materials(name, cell, counterparts, tmp_path, rng):
     file.write_text(MATERIALS)
     ours = written(file, tmp_path / "kernels", name, "--cells", cell)
     assert set(ours) == {*counterparts, "stress"}
-    mesh = bodies.block(cell, 2)
+    mesh = distorted_block.block(cell, 2)
     x = mesh.geometry.x[mesh.geometry.dofmap[0]].ravel()
     values = {"E": 2.0, "nu": 0.3, "density": 3.0, "yield_stress": 0.02, "hardening": 0.1, "modulus": 0.1}
     for kind, counterpart in counterparts.items():

@@ -13,7 +13,7 @@ import dolfinx_impact as di
 from dolfinx_impact.assembly.inelastic_part import InelasticPart
 from dolfinx_impact.assembly.operators import InternalForce, cells_measure
 from dolfinx_impact.forms import inelastic
-from dolfinx_impact.verify.material_tangent import TangentOfBody
+from impact_verify.material_tangent import TangentOfBody
 
 ROUND_OFF = 1e-13  # relative to the largest force; sums of some hundred terms
 

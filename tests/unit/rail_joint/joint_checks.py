@@ -12,10 +12,10 @@ from dolfinx import fem
 from mpi4py import MPI
 from shared_folder import shared_folder
 
-import dolfinx_impact.rail_joint.case as case_module
-from dolfinx_impact.rail_joint import Case, JointModel, Passage, RailJoint
-from dolfinx_impact.rail_joint.passage import TOLERANCE
-from dolfinx_impact.rail_joint.wheel import HUB_TAGS, RIM_TAG
+import impact_studies.rail_joint.case as case_module
+from impact_studies.rail_joint import Case, JointModel, Passage, RailJoint
+from impact_studies.rail_joint.passage import TOLERANCE
+from impact_studies.rail_joint.wheel import HUB_TAGS, RIM_TAG
 
 COMM = MPI.COMM_WORLD
 SMALL = RailJoint().changed(

@@ -14,7 +14,7 @@ import pytest
 from dolfinx_impact.common.end_with_parent import command_of
 from dolfinx_impact.io.folder_lock import NAME, FolderLock, start_of
 from dolfinx_impact.io.run_folder import RunFolder
-from dolfinx_impact.rail_joint import study
+from impact_studies.rail_joint import study
 
 HOLD = """
 import sys, time
@@ -122,7 +122,7 @@ def test_a_case_whose_folder_has_an_equals_sign(tmp_path, monkeypatch):
     job.start()
     (command,) = started
     arguments = command[command.index("joint") + 1 :]
-    from dolfinx_impact.rail_joint import run
+    from impact_studies.rail_joint import run
 
     given = run.parser().parse_args(arguments)
     assert run.parameters(given.values, given.parameters) == study.RailJoint()

@@ -6,8 +6,8 @@ import math
 import pytest
 
 import dolfinx_impact as di
-from dolfinx_impact.rail_joint import RailJoint
-from dolfinx_impact.rail_joint.run import main, parameters
+from impact_studies.rail_joint import RailJoint
+from impact_studies.rail_joint.run import main, parameters
 
 
 def test_a_file_says_what_the_object_has(tmp_path):

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from dolfinx_impact.io import plots
-from dolfinx_impact.rail_joint import RailJoint, figures, report, study
-from dolfinx_impact.rail_joint.passage import ENERGIES, Footprint, History
-from dolfinx_impact.rail_joint.results import SLOW, Summary, half_axes, low_pass, summarise
+from impact_studies.rail_joint import RailJoint, figures, report, study
+from impact_studies.rail_joint.passage import ENERGIES, Footprint, History
+from impact_studies.rail_joint.results import SLOW, Summary, half_axes, low_pass, summarise
 
 JOINT = RailJoint()
 

@@ -11,7 +11,7 @@ import pytest
 from dolfinx_impact import _cpp
 from dolfinx_impact.io import hdf5
 from dolfinx_impact.io.run_folder import RunFolder
-from dolfinx_impact.rail_joint.saved_case import SavedCase
+from impact_studies.rail_joint.saved_case import SavedCase
 
 IDENTITY = {"parameters": "abc", "version": "1"}
 

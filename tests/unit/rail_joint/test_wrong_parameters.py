@@ -5,11 +5,11 @@ import math
 
 import pytest
 
-from dolfinx_impact.creep import run as creep
-from dolfinx_impact.creep.parameters import WheelOnRail
-from dolfinx_impact.rail_joint import run as joint
-from dolfinx_impact.rail_joint import study
-from dolfinx_impact.rail_joint.parameters import RailJoint, Study
+from impact_studies.creep import run as creep
+from impact_studies.creep.parameters import WheelOnRail
+from impact_studies.rail_joint import run as joint
+from impact_studies.rail_joint import study
+from impact_studies.rail_joint.parameters import RailJoint, Study
 
 COMMANDS = {
     "joint": (RailJoint, joint.main), "study": (RailJoint, lambda a: study.main(["rail_joint", *a])),

@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from dolfinx_impact.creep import run
-from dolfinx_impact.creep.model import CreepModel
-from dolfinx_impact.creep.parameters import WheelOnRail
+from impact_studies.creep import run
+from impact_studies.creep.model import CreepModel
+from impact_studies.creep.parameters import WheelOnRail
 
 
 def test_sequences():

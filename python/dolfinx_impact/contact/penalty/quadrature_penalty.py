@@ -28,6 +28,7 @@ class QuadraturePenalty(StaticContactView):
     """
 
     has_multipliers = False
+    all_in_cpp = True
     _cpp_object: _cpp.penalty.QuadraturePenalty
 
     def __init__(self, pair: ContactPair, problem: StaticContactProblem, **options: Any) -> None:

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: MIT
+"""What the benchmarks of operators share: cases, a body with the operators of both sides, and a clock."""
+
+import time
+from collections.abc import Callable
+from typing import TypeAlias, Union
+
+import numpy as np
+import ufl
+from dolfinx import cpp, fem, mesh
+from mpi4py import MPI
+
+from dolfinx_impact.assembly.ffcx_form import ffcx_form
+from dolfinx_impact import _cpp, materials
+from dolfinx_impact.assembly import operators
+from dolfinx_impact.common.types import Float64Array, FloatArray
+
+# Cell, degree and cells per side.
+Case: TypeAlias = tuple[str, int, int]
+MaterialClass: TypeAlias = type[Union[materials.LinearElastic, materials.NeoHookean, materials.StVenantKirchhoff]]
+
+STRICT = ["-O3", "-march=native"]
+FAST = ["-O3", "-march=native", "-ffast-math"]
+# Some hundred thousand degrees of freedom each: more than the caches hold.
+CASES = (
+    ("triangle", 1, 300),
+    ("triangle", 2, 160),
+    ("quadrilateral", 1, 400),
+    ("quadrilateral", 2, 160),
+    ("tetrahedron", 1, 32),
+    ("tetrahedron", 2, 22),
+    ("hexahedron", 1, 50),
+    ("hexahedron", 2, 20),
+)
+FINITE = (("tetrahedron", 2, 22), ("hexahedron", 1, 50))
+
+
+def best_time(function: Callable[[], object], at_least: float = 0.05, rounds: int = 3) -> tuple[float, float]:
+    """Processor time of one call of a function.
+
+    Args:
+        function: function without arguments.
+        at_least: duration of a round, which repeats the call [s].
+        rounds: number of rounds.
+
+    Returns:
+        Best and median time of the rounds [s].
+    """
+    function()
+    times: list[float] = []
+    repeat = 1
+    while len(times) < rounds:
+        start = time.process_time()
+        for _ in range(repeat):
+            function()
+        elapsed = time.process_time() - start
+        if elapsed < at_least:
+            repeat = max(repeat + 1, int(repeat * at_least / max(elapsed, 1e-6)))
+            continue
+        times.append(elapsed / repeat)
+    return min(times), float(np.median(times))
+
+
+class Setup:
+    """A unit square or cube with the form of its internal force, and the operators of both sides.
+
+    Args:
+        cell: cell of the mesh.
+        degree: degree of the displacement, 1 or 2.
+        n: cells per side.
+        law: class of the material.
+        comm: communicator of the mesh.
+    """
+
+    def __init__(
+        self,
+        cell: str,
+        degree: int,
+        n: int,
+        law: MaterialClass = materials.LinearElastic,
+        comm: MPI.Intracomm = MPI.COMM_SELF,
+    ) -> None:
+        kind = getattr(mesh.CellType, cell)
+        plane = cell in ("triangle", "quadrilateral")
+        self.mesh = mesh.create_unit_square(comm, n, n, kind) if plane else mesh.create_unit_cube(comm, n, n, n, kind)
+        dim = 2 if plane else 3
+        self.V = fem.functionspace(self.mesh, ("Lagrange", degree, (dim,)))
+        self.u = fem.Function(self.V, name="u")
+        self.u.interpolate(lambda x: 0.01 * np.array([np.sin(3 * x[i] + x[(i + 1) % dim]) for i in range(dim)]))
+        material = law(1e3, 0.3, 1.0, "plane_strain" if plane else "3d")
+        self.form = operators.internal_force_form(self.u, ufl.TestFunction(self.V), material)
+        self.num_cells: int = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
+        self.b: Float64Array = fem.Function(self.V).x.array
+        self.pack_seconds: float | None = None
+
+    def ours(self, width: int = 0) -> tuple[float, operators.InternalForce]:
+        """Time our operator.
+
+        Args:
+            width: number of cells per kernel call; 0 takes the default.
+
+        Returns:
+            Time per application [s], and the operator.
+        """
+        operator = operators.InternalForce(self.form, width)
+        return best_time(lambda: operator._cpp_object.assemble(self.b))[1], operator
+
+    def baseline(self, flags: list[str]) -> tuple[float, FloatArray]:
+        """Time assemble_vector of the installed DOLFINx, with coefficients packed into reused storage.
+
+        Args:
+            flags: compiler flags of FFCx's kernel.
+
+        Returns:
+            Time per application [s], and the assembled vector, shape (num_dofs) [F].
+        """
+        form = ffcx_form(self.form, jit_options={"cffi_extra_compile_args": flags})._cpp_object
+        constants, coefficients = cpp.fem.pack_constants(form), cpp.fem.pack_coefficients(form)
+        if self.pack_seconds is None:  # the same for all flags
+            self.pack_seconds = best_time(_cpp.bench.Packed(form).pack)[1]
+        apply = best_time(lambda: cpp.fem.assemble_vector(self.b, form, constants, coefficients))[1]
+        self.b[:] = 0.0
+        cpp.fem.assemble_vector(self.b, form, constants, coefficients)
+        return self.pack_seconds + apply, self.b.copy()
+
+    def bytes(self) -> int:
+        """Memory traffic of one application if every node number and nodal value is transferred once.
+
+        Returns:
+            Traffic [B].
+        """
+        nodes = self.V.dofmap.list.shape[1]
+        per_cell = 4 * (2 * nodes + self.mesh.geometry.dofmap.shape[1])
+        return self.num_cells * per_cell + 8 * 3 * len(self.b) + 24 * len(self.mesh.geometry.x)

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: MIT
+"""Packages that lie beside the library are reached by `di.verify` and by the names that they had in it."""
+
+import importlib
+import subprocess
+import sys
+
+import pytest
+
+import dolfinx_impact as di
+from dolfinx_impact.common.moved_packages import MOVED, present_name
+
+
+def test_the_door_leads_to_the_package():
+    import impact_verify
+
+    assert di.verify.cross_check is impact_verify.cross_check
+    assert di.verify.self_check is impact_verify.self_check
+    assert di.verify.OwnForm is impact_verify.OwnForm
+    with pytest.raises(AttributeError, match="nothing_there"):
+        di.verify.nothing_there
+
+
+@pytest.mark.parametrize(
+    "former, now",
+    [
+        ("dolfinx_impact.verify.report", "impact_verify.report"),
+        ("dolfinx_impact.verify.selfcheck.run", "impact_verify.selfcheck.run"),
+        ("dolfinx_impact.creep", "impact_studies.creep"),
+        ("dolfinx_impact.creep.model", "impact_studies.creep.model"),
+        ("dolfinx_impact.rail_joint.run", "impact_studies.rail_joint.run"),
+        ("dolfinx_impact.bench.rows", "impact_studies.bench.rows"),
+    ],
+)
+def test_former_names_are_the_same_modules(former, now):
+    code = f"""
+import importlib, sys, warnings
+import dolfinx_impact
+assert {now!r} not in sys.modules
+with warnings.catch_warnings(record=True) as found:
+    warnings.simplefilter("always")
+    import {former} as module
+    from {former.rpartition(".")[0]} import {former.rpartition(".")[2]} as again
+assert module is again is sys.modules[{now!r}] is importlib.import_module({now!r}), module
+assert module.__name__ == {now!r}
+said = [str(w.message) for w in found if w.category is DeprecationWarning]
+print([text for text in said if text.startswith({former + " is "!r})])
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == repr([f"{former} is {now} now: import that"])
+
+
+def test_each_package_is_there_and_others_have_not_moved():
+    for now in MOVED.values():
+        assert importlib.import_module(now).__name__ == now
+    assert present_name("dolfinx_impact.benchmarks") is None and present_name("dolfinx_impact.io") is None
+    assert present_name("dolfinx_impact.verify") is None
+    with pytest.raises(ModuleNotFoundError, match="impact_studies.creep.nothing"):
+        importlib.import_module("dolfinx_impact.creep.nothing")
