@@ -35,8 +35,8 @@ def write(report: SelfCheckReport, path: Path | str) -> Path:
         if report.pictures.get(title)
     }
     write_page(
-        path, "impact_verify", "self_check.html.jinja", title=report.title, heading=report.title, passed=report.passed, failed=failed,
-        num_made=len(made), groups=groups, pictures=pictures,
+        path, "impact_verify", "self_check.html.jinja", title=report.title, heading=report.title,
+        passed=report.passed, failed=failed, num_made=len(made), groups=groups, pictures=pictures,
         versions=", ".join(f"{name} {version}" for name, version in versions().items()),
     )  # fmt: skip
     return path
