@@ -6,11 +6,11 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench docs notebooks shell lint format clean lint-here formats-here types-here tree-here \
-  test-here tests-1 tests-2 tests-chosen slow-here docs-here
+.PHONY: help demo test verify matrix bench docs notebooks public-names shell lint format stub clean lint-here formats-here \
+  types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-9s %s\n", $$1, $$2 }' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
 
 demo: ARGS ?= $(if $(filter rail_joint,$(DEMO)),--ranks 2)
 demo: ## the flagship run on two ranks, with its figures and a report (another one: make demo DEMO=name)
@@ -38,6 +38,9 @@ docs: ## the documentation site, in build/site; works without a network
 notebooks: ## the demos as Jupyter notebooks, in build/notebooks (another folder: make notebooks FOLDER=name)
 	$(RUN) python3 docs/notebooks.py $(or $(FOLDER),build/notebooks)
 
+public-names: ## the list of public names and signatures anew, after a change on purpose (docs/compatibility.md)
+	$(RUN) python3 tests/architecture/public_names.py
+
 shell: ## an interactive shell inside the environment
 	$(RUN) bash
 
@@ -52,6 +55,9 @@ tidy: ## clang-tidy on the C++ library and the hand-written solver (a part: make
 
 format: ## rewrite the sources as the formatters want them
 	$(RUN) --no-build sh -c 'find cpp demos -name "*.h" -o -name "*.cpp" | xargs -r clang-format-19 -i && black -q .'
+
+stub: ## the typed stub of the compiled module, python/dolfinx_impact/_cpp, from its bindings
+	$(RUN) python3 cpp/bindings/stub.py python/dolfinx_impact/_cpp
 
 clean: ## remove what builds and runs wrote in the checkout (the cached environment stays)
 	rm -rf build results .pytest_cache .hypothesis

@@ -8,6 +8,7 @@ import sys
 import textwrap
 import zlib
 
+import helper_folders
 import numpy as np
 import pytest
 import rows
@@ -23,6 +24,8 @@ else:
     hypothesis.settings.register_profile("ci", derandomize=True, deadline=None, database=None, print_blob=True)
     hypothesis.settings.register_profile("explore", deadline=None, max_examples=1000, print_blob=True)
     hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "ci"))
+
+helper_folders.put_on_path()
 
 DEFAULT_SEED = 20250
 TEST_TIMEOUT = 600  # seconds, for tests that name none of their own

@@ -18,6 +18,7 @@ import socket
 import sys
 import traceback
 
+from helper_folders import put_on_path
 from idle_rank import keep_idle_as_asked
 from mpi4py import MPI
 
@@ -62,6 +63,7 @@ def perform(request, timeout):
 
 
 def main(address):
+    put_on_path()
     keep_idle_as_asked()
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connection.connect(address)

@@ -45,11 +45,14 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::newmark(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
   dolfinx_impact::bindings::nodal(nodal);
+  nb::module_ rolling = m.def_submodule("rolling", "Steady rolling in the ALE frame");
+  dolfinx_impact::bindings::rolling(rolling);
   nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");
   dolfinx_impact::bindings::bodies(problems);
   dolfinx_impact::bindings::problems(problems);
   dolfinx_impact::bindings::static_problem(problems);
   dolfinx_impact::bindings::implicit_problem(problems);
+  dolfinx_impact::bindings::rolling_problem(problems);
   nb::module_ bench = m.def_submodule("bench", "Measurements of this machine and baselines");
   dolfinx_impact::bindings::bench(bench);
 }

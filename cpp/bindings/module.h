@@ -9,6 +9,7 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 namespace dolfinx_impact::bindings
@@ -31,6 +32,8 @@ void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);
 void integrators(nanobind::module_& m);
 void newmark(nanobind::module_& m);
+void rolling(nanobind::module_& m);
+void rolling_problem(nanobind::module_& m);
 void problems(nanobind::module_& m);
 void static_problem(nanobind::module_& m);
 void implicit_problem(nanobind::module_& m);

@@ -8,7 +8,18 @@ import re
 import subprocess
 import sys
 
-STAGES = ("kernels", "operators", "surface", "search", "gap", "enforcement", "solve", "integrators", "problems")
+STAGES = (
+    "kernels",
+    "operators",
+    "surface",
+    "search",
+    "gap",
+    "enforcement",
+    "solve",
+    "integrators",
+    "rolling",
+    "problems",
+)
 # What no stage is: small tools; the state as data, which every stage may describe its own in; files of states.
 BELOW = ("common", "state", "files")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
@@ -135,7 +146,8 @@ def package_violations(root):
                 continue
             names = [node.module.split(".")[0]] if node.module else [alias.name for alias in node.names]
             for name in names:
-                if (PACKAGES.index(name) if name in PACKAGES else last if (base / name).exists() else -1) > here:
+                unlisted = any((base / name).glob("*.py"))  # _cpp has the stub of the compiled module only
+                if (PACKAGES.index(name) if name in PACKAGES else last if unlisted else -1) > here:
                     complaints.append(f"{path.relative_to(root)}:{node.lineno}: {parts[0]} must not import {name}")
     return complaints
 
@@ -347,6 +359,42 @@ def line_counts(root):
     files = [p for p in project_files(root) if p.suffix in SOURCES and p.suffix != ".txt" or p.name == "CMakeLists.txt"]
     files = [p for p in files if p.name not in ("LICENSE",)]
     return {p.relative_to(root): len(text.splitlines()) for p in files if (text := text_of(p)) is not None}
+
+
+# Folders of tests/unit beside those of the packages and the stages: of what lies beside python/ and cpp/.
+UNIT_BESIDE = {
+    "forms": "the physics in UFL, forms/",
+    "forms/compiler": "from UFL to C++, forms/compiler/",
+    "meshes": "recipes and committed meshes, meshes/",
+    "env": "how a machine gets its environment, env/",
+}
+# Packages whose tests are no unit tests of a folder of their own.
+TESTED_ELSEWHERE = {
+    "own_forms": "tests/cross, with the checks that take such forms",
+    "verify": "tests/cross, with the solver that it compares with",
+}
+
+
+def unit_folder_violations(root):
+    """Folders of tests/unit whose name is not where the tested code is, packages without a folder, names used twice."""
+    root = pathlib.Path(root).resolve()
+    unit, library = root / "tests" / "unit", root / "cpp" / "dolfinx_impact"
+    packages = [path for path in (root / "python").glob("*") if path.is_dir()]
+    folders, complaints, known = set(), [], {}
+    for path in sources(unit, (".py",)):
+        if path.name != "conftest.py" and path.name in known:
+            complaints.append(f"{path.relative_to(root)}: {known[path.name].relative_to(root)} has this name, too")
+        known[path.name] = path
+        folders.add(path.parent.relative_to(unit).as_posix())
+    for name in sorted(folders - set(UNIT_BESIDE)):
+        python = any((package / name).is_dir() or (package / f"{name}.py").is_file() for package in packages)
+        if not python and not (library / name).is_dir():
+            complaints.append(f"tests/unit/{name}: neither a package, a module nor a stage has this name")
+    for path in sorted((root / "python" / "dolfinx_impact").rglob("__init__.py")):
+        name = path.parent.relative_to(root / "python" / "dolfinx_impact").as_posix()
+        if name != "." and name.partition("/")[0] not in TESTED_ELSEWHERE and name not in folders:
+            complaints.append(f"python/dolfinx_impact/{name}: no folder of tests/unit has the name of this package")
+    return complaints
 
 
 LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long

@@ -260,6 +260,42 @@ def test_unfinished_headers_complain(tree):
     assert len(rules.unfinished_headers(root)) == 1
 
 
+GOOD_UNIT = {
+    "python/dolfinx_impact/__init__.py": "",
+    "python/dolfinx_impact/loads.py": "",
+    "python/dolfinx_impact/statics/__init__.py": "",
+    "python/dolfinx_impact/verify/reasons/__init__.py": "",  # tested elsewhere
+    "python/impact_reference/solver/__init__.py": "",
+    "cpp/dolfinx_impact/search/closest_point/Projection.h": "",
+    "tests/unit/conftest_of_nothing/made/mesh.h5": "",  # data of tests is no folder of tests
+    "tests/unit/env/conftest.py": "",
+    "tests/unit/forms/compiler/conftest.py": "",
+    "tests/unit/loads/test_loads.py": "",
+    "tests/unit/statics/test_problem.py": "",
+    "tests/unit/search/closest_point/test_projection.py": "",
+    "tests/unit/solver/test_solver.py": "",
+}
+
+
+def test_folders_of_unit_tests_pass_a_good_tree(tree):
+    assert rules.unit_folder_violations(tree(GOOD_UNIT)) == []
+
+
+@pytest.mark.parametrize(
+    "name, words",
+    [
+        ("tests/unit/problem/test_a.py", "tests/unit/problem: neither a package, a module nor a stage"),
+        ("tests/unit/search/node/test_a.py", "tests/unit/search/node: neither"),
+        ("tests/unit/loads/test_projection.py", "has this name, too"),
+        ("python/dolfinx_impact/io/__init__.py", "python/dolfinx_impact/io: no folder of tests/unit"),
+        ("python/dolfinx_impact/statics/deep/__init__.py", "python/dolfinx_impact/statics/deep: no folder"),
+    ],
+)
+def test_folders_of_unit_tests_complain(tree, name, words):
+    (complaint,) = rules.unit_folder_violations(tree({**GOOD_UNIT, name: ""}))
+    assert words in complaint
+
+
 def test_line_counts(tree):
     counts = rules.line_counts(tree({"a.py": "\n" * 401, "docs/b.md": "\n" * 900, "Makefile": "x\n"}))
     assert {str(p): n for p, n in counts.items()} == {"a.py": 401, "Makefile": 1}

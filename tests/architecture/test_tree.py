@@ -89,6 +89,10 @@ def test_files_stay_readable(checkout, record_property):
     assert median < rules.LONG / 2
 
 
+def test_folders_of_unit_tests_are_those_of_the_code(checkout):
+    assert rules.unit_folder_violations(checkout) == []
+
+
 def test_lines_of_pages_end_at_120_columns(checkout):
     assert rules.long_lines(checkout) == []
 

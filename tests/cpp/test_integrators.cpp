@@ -10,6 +10,7 @@
 #include <dolfinx_impact/integrators/Loads.h>
 #include <dolfinx_impact/integrators/NodalFields.h>
 #include <dolfinx_impact/integrators/PrescribedMotion.h>
+#include <dolfinx_impact/integrators/StepSchedule.h>
 #include <stdexcept>
 
 using Catch::Approx;
@@ -279,4 +280,15 @@ TEST_CASE("the balance of a mass on a spring")
     CHECK(other.save().residual_work == balance.save().residual_work);
     CHECK(other.save().reference == balance.save().reference);
   }
+}
+
+TEST_CASE("a schedule has equal steps that end exactly where they should")
+{
+  const StepSchedule schedule{.begin = 0.1, .until = 0.4, .first = 7, .last = 10};
+  CHECK(schedule.dt() == Approx(0.1));
+  CHECK(schedule.time(7) == 0.1);
+  CHECK(schedule.time(8) == Approx(0.2));
+  CHECK(schedule.time(10) == 0.4); // to the last digit, whatever three thirds are
+  CHECK(schedule == StepSchedule{0.1, 0.4, 7, 10, false});
+  CHECK_FALSE(schedule == StepSchedule{0.1, 0.4, 7, 10, true});
 }

@@ -1,20 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Kinematic contact of several pairs that share nodes, against the hand-written solver."""
 
-import pathlib
-import sys
-
 import impact_reference
+from kinematic_pairs_checks import CASES, boxes_of
 import numpy as np
+from plane_bodies import Bodies
 import pytest
 from dolfinx import fem
 
 import dolfinx_impact as di
 from impact_verify.bodies import Body
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "unit" / "contact"))
-from kinematic_pairs_checks import CASES, boxes_of  # noqa: E402
-from plane_bodies import Bodies  # noqa: E402
 
 STEPS = 80
 ACCURACY = 1e-9  # of the displacements: round-off, which contact enlarges at each of some hundred closures

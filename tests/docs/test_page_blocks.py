@@ -2,7 +2,8 @@
 """Every block of code of every page is run, or says why not: "<!-- not run: REASON -->" stands before it.
 
 The Python blocks of a page are one script. A block whose first line names a file ("# my_form.py") is that file, bash
-blocks are commands in the same folder. Commands that run a demo need no mark: tests/demos runs them all.
+blocks are commands in the same folder, where env/run runs what it is given: the tests are in the environment already.
+Commands that run a demo need no mark: tests/demos runs them all.
 """
 
 import pathlib
@@ -11,6 +12,7 @@ import sys
 
 import page_blocks
 import pytest
+from processes import mpi_environment
 
 from dolfinx_impact import cli
 
@@ -31,13 +33,16 @@ def test_the_blocks_of_a_page_run(name, tmp_path):
     script = "\n".join(block.text for block in run if block.language == "python" and not block.file)
     assert "assert " in script
     (tmp_path / "page.py").write_text(script)
+    (tmp_path / "env").mkdir()
+    (tmp_path / "env" / "run").write_text('#!/bin/sh\nexec "$@"\n')
+    (tmp_path / "env" / "run").chmod(0o755)
     for block in run:
         if block.file:
             (tmp_path / block.file).write_text(block.text)
     commands = [[sys.executable, "page.py"]]
     commands += [["bash", "-e", "-c", block.text] for block in run if block.language == "bash"]
     for command in commands:
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, env=mpi_environment())
         assert done.returncode == 0, done.stdout + done.stderr
 
 

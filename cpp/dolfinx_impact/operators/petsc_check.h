@@ -45,6 +45,8 @@ public:
   Entries& operator=(const Entries&) = delete;
   double& operator[](std::size_t i) { return _values[i]; }
   std::size_t size() const { return std::size_t(_size); }
+  double* begin() { return _values; }
+  double* end() { return _values + _size; }
 
 private:
   Vec _v;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace dolfinx_impact::solve
@@ -26,4 +27,23 @@ std::optional<std::vector<double>> solve_dense(std::vector<double> A, std::vecto
 /// @param[in] A entries [i*n + j]
 /// @throws std::runtime_error if LAPACK fails
 double spectral_radius(std::vector<double> A, int n);
+
+/// Largest singular value of a small dense matrix, by LAPACK.
+/// @param[in] A entries [i*n + j]
+/// @throws std::runtime_error if LAPACK fails
+double spectral_norm(std::vector<double> A, int n);
+
+/// Inverse of a small dense matrix, by LAPACK.
+/// @param[in] A entries [i*n + j]
+/// @returns entries of the inverse; nothing if the matrix is singular
+std::optional<std::vector<double>> inverse(std::vector<double> A, int n);
+
+/// y = A x of a dense matrix, by BLAS.
+/// @param[in] A entries [i*x.size() + j]
+/// @param[in] rows number of its rows
+std::vector<double> dense_product(std::span<const double> A, std::span<const double> x, int rows);
+
+/// A^T A of a dense matrix with n rows and columns, by BLAS.
+/// @param[in] A entries [i*n + j]
+std::vector<double> normal_matrix(std::span<const double> A, int n);
 } // namespace dolfinx_impact::solve

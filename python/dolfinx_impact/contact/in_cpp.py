@@ -4,15 +4,14 @@
 from typing import Any
 
 from .. import _cpp
-from .mortar.lagrange import LagrangeContact
-from .penalty.quadrature_penalty import QuadraturePenalty
 
 
 def contact_in_cpp(contact: Any) -> _cpp.enforcement.StaticContact:
-    """A contact as Newton's method in C++ sees it. What derived classes may have replaced is called through Python.
+    """A contact as Newton's method in C++ sees it. What derived classes may have replaced is called through Python: a
+    class whose calls are all those of its C++ object says so itself, by `all_in_cpp`, which is not inherited.
 
     Args:
         contact: contact of a static or implicit problem.
     """
-    own = type(contact) in (LagrangeContact, QuadraturePenalty)
+    own = vars(type(contact)).get("all_in_cpp", False)
     return contact._cpp_object if own else _cpp.solve.PythonContact(contact)

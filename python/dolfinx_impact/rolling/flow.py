@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import MeshTags
 
+from .. import _cpp
 from ..assembly import operators
 from ..common.types import FloatArray, IntArray
 from ..forms import ale
@@ -20,29 +21,25 @@ from .motions import Spin, Translation
 
 
 class Flow:
-    """Forces of inertia of bodies whose material moves steadily: their derivative is W, and load steps ramp them.
+    """Forces of inertia of bodies whose material moves steadily, as a load: their derivative is W. Load steps run through
+    the rates in C++ (rolling::Flow).
 
     Args:
         u: displacement function [L].
         material: material, with densities.
         cell_tags: tags of the bodies.
         motions: motion by tag.
-        rigid: rigid masters, whose surfaces move with their velocity.
     """
 
     def __init__(
-        self,
-        u: fem.Function,
-        material: Material,
-        cell_tags: MeshTags,
-        motions: Mapping[int, Spin | Translation],
-        rigid: Sequence[Any] = (),
+        self, u: fem.Function, material: Material, cell_tags: MeshTags, motions: Mapping[int, Spin | Translation]
     ) -> None:
-        mesh = u.function_space.mesh
+        V, mesh = u.function_space, u.function_space.mesh
         self._material, self._motions = material, dict(motions)
         self._cell_tags = cell_tags
-        self._constants = {tag: motion.constant(mesh) for tag, motion in self._motions.items()}
-        self._reached = {tag: np.array(c.value) for tag, c in self._constants.items()}
+        # A motion that several tags have is one, with one rate.
+        self._distinct = list(dict.fromkeys(self._motions.values()))
+        self._constants = {motion: motion.constant(mesh) for motion in self._distinct}
         # Indicators, as materials may bring tags of their own, and a form takes one set of tags.
         self._indicators: dict[int, Any] = {tag: 1 for tag in self._motions}
         if len(self._motions) > 1:
@@ -51,21 +48,34 @@ class Flow:
                 self._indicators[tag] = fem.Function(piecewise)
                 self._indicators[tag].x.array[cell_tags.find(tag)] = 1.0
                 self._indicators[tag].x.scatter_forward()
-
-        V = u.function_space
-        self._comm = mesh.comm
-        self._places = V.tabulate_dof_coordinates()[:, : mesh.geometry.dim].copy()
         self._nodes = {tag: np.unique(V.dofmap.list[cell_tags.find(tag)]) for tag in self._motions}
-        # Creepages besides those of the motions, see `creepage`.
-        self.lateral, self.turn = 0.0, 0.0
-        self._rigid = {id(master): (master, fem.Constant(mesh, np.zeros(3)), np.zeros(3)) for master in rigid}
+        moving = [motion.in_cpp(self._constants[motion], self.nodes_of(motion)) for motion in self._distinct]
+        self._cpp_object = _cpp.rolling.Flow(V._cpp_object, moving)
 
-    def at_nodes(self) -> FloatArray:
-        """Velocity of the undeformed material through the mesh at the nodes, (nodes, gdim), owned and ghosts [L/T]."""
-        w = np.zeros_like(self._places)
-        for tag, nodes in self._nodes.items():
-            w[nodes] = self._motions[tag].at(self._places[nodes], self._constants[tag].value)
-        return w
+    def number_of(self, motion: Spin | Translation) -> int:
+        """Number of a motion among those of the flow in C++.
+
+        Args:
+            motion: one of the motions.
+        """
+        return self._distinct.index(motion)
+
+    def rate_of(self, motion: Spin | Translation) -> FloatArray:
+        """Present rate of a motion: an angular velocity [1/T], or a velocity [L/T].
+
+        Args:
+            motion: one of the motions.
+        """
+        return np.array(self._constants[motion].value)
+
+    def set_creepage(self, lateral: float, turn: float) -> None:
+        """Set the creepages besides those of the motions.
+
+        Args:
+            lateral: speed of the first spinning body along its axis against the other, over the speed [1].
+            turn: turn of that body about the contact's normal, over the speed [1/L].
+        """
+        self._cpp_object.lateral, self._cpp_object.turn = lateral, turn
 
     @property
     def motions(self) -> dict[int, Spin | Translation]:
@@ -87,40 +97,7 @@ class Flow:
             motion: one of the motions.
         """
         parts = [nodes for tag, nodes in self._nodes.items() if self._motions[tag] is motion]
-        return np.unique(np.concatenate(parts))
-
-    def settle(self) -> None:
-        """The present rates are those that the last solve has reached."""
-        for constant, reached in self.ramps():
-            reached[...] = constant.value
-
-    def rigid_velocity(self, master: Any) -> FloatArray:
-        """Velocity of the surface of a rigid master, (3) [L/T].
-
-        Args:
-            master: rigid master of one of the pairs.
-        """
-        return np.array(self._rigid[id(master)][1].value)
-
-    def creepage(self, contact: Any) -> FloatArray:
-        """Rigid slip velocity of slave against master besides that of the motions, (n, gdim) [L/T].
-
-        The body that spins moves along its axis by `lateral` times the speed, and turns about the contact's normal by
-        `turn` times the speed, against the other body.
-
-        Args:
-            contact: RollingContact.
-        """
-        out = np.zeros((len(contact.nodes), contact.gdim))
-        if self.lateral == 0.0 and self.turn == 0.0:
-            return out
-        spin = next(m for m in self._motions.values() if isinstance(m, Spin))
-        spinning = np.isin(contact.nodes, next(n for t, n in self._nodes.items() if self._motions[t] is spin))
-        speed, gdim = contact.speed(), contact.gdim
-        out += self.lateral * speed * spin.axis[:gdim]
-        if self.turn != 0.0:
-            out += self.turn * speed * contact.turn_about_normal()
-        return np.where(spinning[:, None], out, -out)
+        return np.unique(np.concatenate(parts)).astype(np.int32)
 
     def same_on_all_ranks(self) -> list[Any]:
         """What must be the same on all ranks."""
@@ -128,28 +105,8 @@ class Flow:
 
     def update(self) -> None:
         """Take over the present rates of the motions."""
-        for tag, constant in self._constants.items():
-            constant.value = self._motions[tag].rate
-        for master, constant, _ in self._rigid.values():
-            constant.value = master.velocity
-
-    def scale(self, factor: float) -> None:
-        """Change the rates of the motions, until `update`.
-
-        Args:
-            factor: by which they are multiplied.
-        """
-        for constant in self._constants.values():
-            constant.value = factor * np.asarray(constant.value)
-
-    def ramps(self) -> list[tuple[fem.Constant, FloatArray]]:
-        """Pairs (constant, value reached by earlier solves): what load steps run through."""
-        bodies = [(self._constants[tag], self._reached[tag]) for tag in self._motions]
-        return bodies + [(constant, reached) for _, constant, reached in self._rigid.values()]
-
-    def reached(self) -> list[FloatArray]:
-        """Copies of the rates that earlier solves reached."""
-        return [value.copy() for _, value in self.ramps()]
+        for motion, constant in self._constants.items():
+            constant.value = motion.rate
 
     def form(self, u: fem.Function, v: Any, material: Any) -> ufl.Form:
         """Virtual work of the forces of inertia: at the deformed place for a spin, so that its derivative is W.
@@ -254,7 +211,7 @@ class Flow:
             u,
             material,
             lambda m, dx: sum(
-                term(motion, self._constants[tag], self._indicators[tag] * m.mass_density(mesh), dx)
+                term(motion, self._constants[motion], self._indicators[tag] * m.mass_density(mesh), dx)
                 for tag, motion in self._motions.items()
             ),
             inertia=exact,

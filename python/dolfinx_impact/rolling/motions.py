@@ -10,9 +10,10 @@ import ufl
 from dolfinx import default_scalar_type, fem
 from dolfinx.mesh import Mesh
 
+from .. import _cpp
 from ..common.arguments import number
 from ..common.fixed import Fixed, read_only
-from ..common.types import ArrayLike, FloatArray
+from ..common.types import ArrayLike, FloatArray, IntArray
 from ..forms import ale
 
 PARALLEL = 1e-12  # sine of the angle between a given axis and z at which they are parallel
@@ -124,20 +125,20 @@ class Spin(Fixed):
         spin = self.vector(rate, len(u))
         return ufl.as_vector([-spin * u[1], spin * u[0]]) if len(u) == 2 else ufl.cross(spin, u)
 
-    def at(self, places: FloatArray, rate: Any) -> FloatArray:
-        """Velocity w of the material at some places, (n, gdim) [L/T].
-
-        Args:
-            places: (n, gdim) [L].
-            rate: angular velocity about the axis [1/T].
-        """
-        arm = np.zeros((len(places), 3))
-        arm[:, : places.shape[1]] = places - self.point
-        return float(rate) * np.cross(self.axis, arm)[:, : places.shape[1]]
-
     def constant(self, mesh: Mesh) -> fem.Constant:
         """Constant for the rate, zero."""
         return fem.Constant(mesh, default_scalar_type(0.0))
+
+    def in_cpp(self, rate: fem.Constant, nodes: IntArray) -> _cpp.rolling.Motion:
+        """The motion of a body in C++.
+
+        Args:
+            rate: constant of the angular velocity.
+            nodes: of the body, owned and ghosts, sorted.
+        """
+        point = np.zeros(3)
+        point[: len(self.point)] = self.point
+        return _cpp.rolling.Motion.spin(list(map(float, point)), list(map(float, self.axis)), rate._cpp_object, nodes)
 
 
 class Translation(Fixed):
@@ -188,15 +189,15 @@ class Translation(Fixed):
         if len(self.velocity) != gdim:
             raise ValueError(f"velocity of a Translation has {len(self.velocity)} components: this mesh needs {gdim}")
 
-    def at(self, places: FloatArray, rate: Any) -> FloatArray:
-        """Velocity of the material at some places, (n, gdim) [L/T].
-
-        Args:
-            places: (n, gdim) [L].
-            rate: velocity, (gdim) [L/T].
-        """
-        return np.tile(np.asarray(rate, dtype=float), (len(places), 1))
-
     def constant(self, mesh: Mesh) -> fem.Constant:
         """Constant for the rate, zero."""
         return fem.Constant(mesh, np.zeros(mesh.geometry.dim, dtype=default_scalar_type))
+
+    def in_cpp(self, rate: fem.Constant, nodes: IntArray) -> _cpp.rolling.Motion:
+        """The motion of a body in C++.
+
+        Args:
+            rate: constant of the velocity.
+            nodes: of the body, owned and ghosts, sorted.
+        """
+        return _cpp.rolling.Motion.translation(rate._cpp_object, nodes)

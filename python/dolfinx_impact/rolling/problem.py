@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import dolfinx.fem.petsc as petsc
@@ -27,21 +27,17 @@ from ..added_mass import added_masses
 from ..foundation import foundations
 from ..loads import Load
 from ..materials import MaterialMap, _Material
-from ..common.interrupts import Interrupts
 from ..statics.linear_solver import LinearSolver
-from ..statics.load_steps import run_steps_by
-from ..statics.problem import Report, StaticProblem
-from . import frequencies, inputs, revolution, stability, sweep
+from ..statics.load_steps import Limits, Report
+from ..statics.problem import StaticProblem
+from . import inputs, revolution, sweep
 from .contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
-from .newton import RollingNewton
-from .power_balance import PowerBalance, power_balance
+from .power_balance import PowerBalance
 from .progress import progress_bar
-from .reduced_contacts import ReducedContacts
 from .sweep import Fingerprint
 from .sweep_state import SweepState
-from .torque import Torque, TorqueControl
 from .transport import Transport
 
 if TYPE_CHECKING:
@@ -52,7 +48,6 @@ if TYPE_CHECKING:
 
 # Of the projection of velocities: systems of a mass matrix.
 PROJECTION = {"ksp_type": "cg", "pc_type": "jacobi", "ksp_rtol": 1e-13, "ksp_max_it": 2000}
-AHEAD = 1.1  # of the rates: so far beyond them a linear body's critical speed is looked for
 
 
 class RollingProblem(Unique):
@@ -117,8 +112,7 @@ class RollingProblem(Unique):
                 complaint = revolution.fault(u.function_space, cell_tags, tag, motion, bcs)
                 if complaint:
                     raise ValueError(complaint)
-        obstacles = [c.pair.rigid_master for c in contact if c.pair.rigid]
-        self._flow = Flow(u, material, cell_tags, self.motions, obstacles)
+        self._flow = Flow(u, material, cell_tags, self.motions)
         everything: list[Any] = [*loads, self._flow]
         self._rubs = any(c.pair.friction > 0.0 for c in contact)
         if self._rubs:
@@ -129,13 +123,7 @@ class RollingProblem(Unique):
         self._transport = (
             Transport(self._equilibrium, self._flow) if self._equilibrium.body.properties.inelastic else None
         )
-        self._safe: FloatArray | None = None  # largest rates at which stiffness minus W was found positive definite
-        self._reduced: ReducedContacts | None = None
-        if self._rubs:
-            p = self._equilibrium
-            self._reduced = ReducedContacts(p.space, p.fixed[: p.num_owned])
-        if self._spin is not None:
-            self._torque = self._torque_on(self._spin)
+        self._cpp_object = _cpp.problems.RollingProblem(self._equilibrium._cpp_object, self._flow._cpp_object)
 
     def _check_tags(self, cell_tags: MeshTags) -> None:
         """Raise ValueError on all ranks unless cells and motions have the same tags."""
@@ -152,11 +140,6 @@ class RollingProblem(Unique):
         untagged = sum(count for _, count in found)
         if untagged:
             raise ValueError(f"{untagged} cells carry no tag: every cell needs a motion")
-
-    def _torque_on(self, spin: Spin) -> Torque:
-        """Torque on the body with a spin."""
-        nodes = self._flow.nodes_of(spin)
-        return Torque(self._equilibrium, spin, nodes[nodes < self.u.function_space.dofmap.index_map.size_local])
 
     def __repr__(self) -> str:
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
@@ -265,28 +248,25 @@ class RollingProblem(Unique):
         with guard(self.u.function_space.mesh.comm, "RollingProblem.solve") as ranks:
             numbers = inputs.solver(steps, rtol, atol, max_iterations, cut_backs, torque, self._rubs, self._spin)
             numbers["turns"] = inputs.turns(turns, self._transport is not None and self._transport.closes)
-            ranks.same(motions=self.motions, **numbers)
+            p.check_start()
+            ranks.same(motions=self.motions, **numbers, **p.targets())
         self._flow.update()
-        if self._rubs:
-            for contact in self._rolling_contacts():
-                contact.check_directions()
-        good = self._state()
+        for contact in self._rolling_contacts():
+            contact.update_obstacle()
+        good = self._cpp_object.saved_state()
 
         def equilibrium(number: int) -> Report:
-            if self._reduced is None:
-                return p.solve(number, rtol, atol, max_iterations, cut_backs, verbose, progress=False)
-            with Interrupts(self.u.function_space.mesh.comm) as interrupts:
-                solver = RollingNewton(p, rtol, atol, max_iterations, interrupts, self._reduced)
-                report = run_steps_by(p, solver, number, 8 if cut_backs is None else cut_backs, verbose)
-                if torque is not None:
-                    self._find_spin(solver, torque, report, verbose)
-                interrupts.check()
+            solve = _SolveInCpp(self._cpp_object, numbers["torque"])
+            limits = Limits(number, *(numbers[k] for k in ("cut_backs", "rtol", "atol", "max_iterations")))
+            report = p.solve_checked(limits, verbose, False, solve)
+            if torque is not None:
+                self._first_spin().omega = float(self._flow.rate_of(self._first_spin()))
+            if solve.warning and p.space.mesh.comm.rank == 0:
+                warnings.warn(solve.warning, stacklevel=3)
             return report
 
         if self._transport is None:
-            report = equilibrium(steps)
-            self._check_speed(good)
-            return report
+            return equilibrium(steps)
         self._transport.update()
         found = False
         try:
@@ -294,7 +274,7 @@ class RollingProblem(Unique):
             found = True
         finally:
             if not found:
-                good()
+                self._cpp_object.bring_back(good)
         return report
 
     def sweep(
@@ -355,7 +335,7 @@ class RollingProblem(Unique):
 
         def solve(creep: float, lateral: float, spin: float) -> dict[str, Any]:
             first.omega = start * (1.0 + creep)
-            self._flow.lateral, self._flow.turn = lateral, spin
+            self._flow.set_creepage(lateral, spin)
             self.solve(**options)
             force = self.contact[0].force
             assert force is not None
@@ -364,21 +344,15 @@ class RollingProblem(Unique):
         def begin_from(row: dict[str, Any], state: tuple[FloatArray, FloatArray]) -> None:
             """As after the solve of a point that a file has."""
             first.omega = float(row["omega"])
-            self._flow.lateral, self._flow.turn = float(row["lateral"]), float(row["spin"])
+            self._flow.set_creepage(float(row["lateral"]), float(row["spin"]))
             self._flow.update()
             kept.set(*state)
 
-        kept = SweepState(self._equilibrium, self._settle)
+        kept = SweepState(self._equilibrium, self._cpp_object.settle)
         problem = self._fingerprint(options)
         problem.arguments = own | problem.arguments
         return sweep.run(comm, points, solve, file, progress, problem, kept, begin_from)
 
-    def _settle(self) -> None:
-        """The present loads and rates are those that the last solve has reached."""
-        for load in self._equilibrium.loads:
-            for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
-                reached[...] = constant.value
-        self._flow.settle()
 
     def _fingerprint(self, options: dict[str, Any]) -> Fingerprint:
         """What tells the points of another problem. Collective.
@@ -409,70 +383,8 @@ class RollingProblem(Unique):
         return Fingerprint(given.table, np.concatenate(rates))
 
     def _rolling_contacts(self) -> list[RollingContact]:
-        return cast("list[RollingContact]", self._equilibrium.contact)
-
-    def _find_spin(self, solver: RollingNewton, torque: float, report: Report, verbose: bool) -> None:
-        """Solve for the spin of the first body, from the present state. Collective."""
-        spin, before = self._first_spin(), self._first_spin().omega
-        solver.control = TorqueControl(self._equilibrium, self._flow, spin, self._torque, torque)
-        found = False
-        try:
-            added = run_steps_by(self._equilibrium, solver, 1, 0, verbose)
-            found = True
-        finally:
-            if not found:
-                spin.omega = before
-            self._flow.update()
-            self._flow.settle()
-        for name in ("iterations", "residual_norms", "active_set_sizes", "contact_changes", "unsettled", "fractions"):
-            getattr(report, name).extend(getattr(added, name))
-
-    def _state(self) -> Callable[[], None]:
-        """A function that brings the present state back."""
-        p = self._equilibrium
-        good, states = self.u.x.array.copy(), [c.state().copy() for c in p.contact]
-        ramps = [pair for load in p.loads if hasattr(load, "ramps") for pair in load.ramps()]
-        reached = [value.copy() for _, value in ramps]
-        history = self._transport.state() if self._transport else None
-
-        def bring_back() -> None:
-            self.u.x.array[:] = good
-            for contact, state in zip(p.contact, states):
-                contact.state().assign(state)
-            for (_, value), before in zip(ramps, reached):
-                value[...] = before
-            if self._transport and history is not None:
-                self._transport.restore(history)
-
-        return bring_back
-
-    def _check_speed(self, bring_back: Callable[[], None]) -> None:
-        """Raise RuntimeError, with the earlier state, beyond the critical speed. Collective."""
-        p, rates = self._equilibrium, np.concatenate([np.abs(np.ravel(r)) for r in self._flow.reached()])
-        if p.body.properties.linear and self._safe is not None and np.all(rates <= self._safe):
-            return  # W grows with the rates: slower bodies with the same stiffness are stable as well
-        if p.body.properties.linear:
-            # Looking beyond the present rates spares the factors that each point of a rising creep curve would need.
-            self._flow.scale(AHEAD)
-            beyond = stability.negative_directions(p)
-            self._flow.update()
-            if not beyond:
-                self._safe = AHEAD * rates
-                return
-        negative = stability.negative_directions(p)
-        if not negative:
-            self._safe = rates
-            return
-        text = (
-            f"the spin or the speed is beyond the critical one: stiffness minus W is not positive definite, {negative} "
-            "of its eigenvalues are negative"
-        )
-        if any(c.has_multipliers for c in p.contact):
-            if p.space.mesh.comm.rank == 0:
-                warnings.warn(f"without what the contacts hold, {text}", stacklevel=3)
-            return
-        bring_back()
-        raise RuntimeError(f"{text}. Hold the body, or let it turn slower")
+        """Contacts, if they have friction."""
+        return cast("list[RollingContact]", list(self._equilibrium.contact)) if self._rubs else []
 
     def reactions(self) -> fem.Function:
         """Support forces at prescribed degrees of freedom, round-off elsewhere [F]. Collective."""
@@ -488,8 +400,7 @@ class RollingProblem(Unique):
         Raises:
             ValueError: no body spins.
         """
-        self._first_spin()
-        return sum(self._torque.of(contact.contact_forces()) for contact in self.contact)
+        return self._cpp_object.torque(self._flow.number_of(self._first_spin()))
 
     def axle(self, spin: Spin) -> FloatArray:
         """Displacement of the axis of a body that spins: in each component the mean of the displacements that its
@@ -498,7 +409,7 @@ class RollingProblem(Unique):
         Args:
             spin: one of the motions.
         """
-        return self._torque_on(spin).axle
+        return np.array(self._cpp_object.axle(self._flow.number_of(spin)))
 
     def power_balance(self) -> PowerBalance:
         """Power that drives the bodies, and where it goes, in the present state. Collective.
@@ -511,8 +422,8 @@ class RollingProblem(Unique):
         """
         if not self._rubs:
             raise ValueError("no contact has friction: steady rolling takes no power")
-        torques = [self._torque_on(m) for m in self.motions.values() if isinstance(m, Spin)]
-        return power_balance(self._flow, torques, self._rolling_contacts())
+        found = self._cpp_object.power_balance()
+        return PowerBalance(found.driving, found.friction, found.rolling)
 
     def velocity(self) -> fem.Function:
         """Velocity of the material, w + (Grad u) w, projected on the displacement space. Collective.
@@ -575,12 +486,10 @@ class RollingProblem(Unique):
                 raise ValueError("frequencies are those of bodies with contact by penalty: replace Lagrange by Penalty")
         self._flow.update()
         v, du = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
-        K = stability.held_tangent(p)
         forms = [f(self.u, du, v) for f in (self._flow.gyroscopic, self._flow.mass, self._flow.direction)]
         G, M, along = (self._matrix(form) for form in forms)
-        least = 0.5 * max((abs(m.omega) for m in self.motions.values() if isinstance(m, Spin)), default=0.0)
-        found, growing = frequencies.solve(K, G, M, along, n, least, tolerance)
-        for matrix in (K, G, M, along):
+        found, growing = self._cpp_object.frequencies(G, M, along, n, tolerance)
+        for matrix in (G, M, along):
             matrix.destroy()
         if growing and p.space.mesh.comm.rank == 0:
             warnings.warn(f"{growing} modes grow: beyond a critical speed; they are left out", stacklevel=2)
@@ -639,12 +548,9 @@ class RollingProblem(Unique):
         """
         p = self._equilibrium
         self._flow.update()
-        loose = _cpp.solve.unconstrained_modes(p.space._cpp_object, p.fixed, [], self.u.x.array)
-        if loose:
-            raise ValueError(f"there is no critical speed, as nothing resists rigid motion: {'; '.join(loose)}")
         v, du = ufl.TestFunction(p.space), ufl.TrialFunction(p.space)
         W = self._matrix(self._flow.softening(self.u, du, v))
-        factor = stability.critical_factor(p, W)
+        factor = self._cpp_object.critical_factor(W)
         W.destroy()
         return factor
 
@@ -653,3 +559,24 @@ class RollingProblem(Unique):
         matrix = petsc.assemble_matrix(ffcx_form(form), bcs=list(self._equilibrium.bcs), diagonal=0.0)
         matrix.assemble()
         return matrix
+
+
+class _SolveInCpp:
+    """`solve` of a rolling problem in C++ as one of a static problem, which it has.
+
+    Args:
+        problem: in C++.
+        torque: that drives the first spinning body, whose rate is then found; None: rates are given [F L].
+
+    Attributes:
+        warning: of the last call; empty if there is none.
+    """
+
+    def __init__(self, problem: _cpp.problems.RollingProblem, torque: float | None) -> None:
+        self._problem, self._torque, self.warning = problem, torque, ""
+
+    def __call__(
+        self, steps: int, rtol: float, atol: float, max_iterations: int, cut_backs: int | None, **told: Any
+    ) -> _cpp.solve.LoadStepReport:
+        report, self.warning = self._problem.solve(steps, rtol, atol, max_iterations, cut_backs, self._torque, **told)
+        return report

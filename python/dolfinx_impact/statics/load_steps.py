@@ -133,6 +133,10 @@ class IncrementSolver(Protocol):
         ...
 
 
+#: A `solve` of C++: of StaticProblem, or of a problem that has one.
+SolveInCpp = Callable[..., _cpp.solve.LoadStepReport]
+
+
 class LoadedProblem(Protocol):
     """What is applied in steps.
 
@@ -159,26 +163,32 @@ class Limits:
 
     Attributes:
         steps: number of equal increments [1].
-        cut_backs: largest number of times that the increment is halved [1].
+        cut_backs: largest number of times that the increment is halved; None: as C++ chooses [1].
         rtol: relative tolerance, as in StaticProblem.solve; -snes_rtol takes precedence [1].
         atol: absolute tolerance, as in StaticProblem.solve; -snes_atol takes precedence [F].
         max_iterations: largest number of iterations; -snes_max_it takes precedence [1].
     """
 
     steps: int
-    cut_backs: int
+    cut_backs: int | None
     rtol: float
     atol: float
     max_iterations: int
 
 
 def run_steps(
-    problem: LoadedProblem, limits: Limits, interrupts: Interrupts, verbose: bool, progress: bool = False
+    problem: LoadedProblem,
+    solve: SolveInCpp,
+    limits: Limits,
+    interrupts: Interrupts,
+    verbose: bool,
+    progress: bool = False,
 ) -> Report:
     """Solve all increments of a load step. Collective.
 
     Args:
         problem: loads, supports and contacts.
+        solve: function of the problem in C++, or of one that has it.
         limits: how far the solve goes.
         interrupts: interrupts, checked in every iteration.
         verbose: whether iterations are printed on the terminal.
@@ -198,7 +208,7 @@ def run_steps(
         interrupts.check()
 
     accepted = _begin(problem)
-    found = problem._cpp_object.solve(
+    found = solve(
         limits.steps, limits.rtol, limits.atol, limits.max_iterations, limits.cut_backs, log=log,
         progress=log.progress.show, iteration=iteration, begins=log.progress.begin, accepted=accepted,
     )  # fmt: skip

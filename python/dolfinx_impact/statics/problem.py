@@ -30,7 +30,7 @@ from .body import Body
 from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..io.mesh_check import check_cells
-from .load_steps import Limits, Report, run_steps
+from .load_steps import Limits, Report, SolveInCpp, run_steps
 from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
@@ -325,25 +325,46 @@ class StaticProblem(BodyResults):
                 cut_backs = 8 if self.contact or steps > 1 else 0
             most = arguments.integer("cut_backs", cut_backs, 0)
             rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
-            if not np.all(np.isfinite(self.u.x.array)):
-                raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
-            ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self._targets())
+            self.check_start()
+            ranks.same(steps=steps, rtol=rtol, atol=atol, max_iterations=max_iterations, **self.targets())
+        return self.solve_checked(Limits(steps, most, rtol, atol, max_iterations), verbose, bool(progress))
+
+    def solve_checked(self, limits: Limits, verbose: bool, progress: bool, solve: SolveInCpp | None = None) -> Report:
+        """As `solve`, whose arguments have been checked on all ranks. Collective.
+
+        Args:
+            limits: how far the solve goes.
+            verbose: whether iterations are printed on the terminal.
+            progress: whether a solve that takes long says from time to time how far it is.
+            solve: function of a problem in C++ that has this one; None: this one's own.
+
+        Returns:
+            Report.
+        """
         if not self.solves.signs_are_checked:
             check_curvature(self.tangent.assemble(), ~self.fixed[: self.num_owned])
             self.solves.signs_are_checked = True
         self.solves.under_way = True
         try:
             with Interrupts(self.space.mesh.comm) as interrupts:
-                limits = Limits(steps, most, rtol, atol, max_iterations)
-                report = run_steps(self, limits, interrupts, verbose, bool(progress))
+                report = run_steps(self, solve or self._cpp_object.solve, limits, interrupts, verbose, progress)
                 interrupts.check()
         finally:
             self.solves.under_way = False
         self.linear_solver.warn_of_unused()
-        self._rotation_warning.look(self.u, stacklevel=2)
+        self._rotation_warning.look(self.u, stacklevel=3)
         return report
 
-    def _targets(self) -> dict[str, list[Any]]:
+    def check_start(self) -> None:
+        """Refuse displacements that no solve can start from, on this rank.
+
+        Raises:
+            ValueError: u has values that are not finite numbers.
+        """
+        if not np.all(np.isfinite(self.u.x.array)):
+            raise ValueError("u has values that are not finite numbers: give it a start, u.x.array[:] = 0")
+
+    def targets(self) -> dict[str, list[Any]]:
         """Numbers of loads, boundary conditions and obstacles, which must be the same on all ranks."""
         return {
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],

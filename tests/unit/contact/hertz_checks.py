@@ -2,20 +2,16 @@
 """Hertz's contacts on gmsh meshes whose cells are given to the ranks at random, so that the contact zone is split,
 against one rank. See on_ranks.py."""
 
-import pathlib
-import sys
-
 import numpy as np
 from dolfinx import fem
 from idle_rank import working_ranks
 from mpi4py import MPI
+import partitioned_bodies
 from scipy.spatial import cKDTree
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import partitioned_bodies  # noqa: E402
 
 COMM = MPI.COMM_WORLD
 # The same equations, summed and solved in another order: round-off times the condition of a few hundred unknowns.

@@ -1,18 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Slave quadrature points: weights against measured areas, gaps against closed forms."""
 
-import pathlib
-import sys
-
 import basix
 import numpy as np
+import partitioned_bodies
 import pytest
 from mpi4py import MPI
 
 from dolfinx_impact import _cpp
 
-sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "search"))
-import partitioned_bodies  # noqa: E402
 
 FACETS = {"triangle": "interval", "quadrilateral": "interval", "tetrahedron": "triangle", "hexahedron": "quadrilateral"}
 ROUND_OFF = 1e-13

@@ -8,7 +8,7 @@ from dolfinx_impact import _cpp
 from dolfinx_impact.forms import registry
 
 ROWS = [(r.name, r.cell, r.degree, r.geometry_degree, r.hypothesis) for r in registry.TABLE]
-# FFCx has no kernels of laws with internal variables: see tests/unit/jit/test_packaged_plasticity.py.
+# FFCx has no kernels of laws with internal variables: see tests/unit/kernels/test_packaged_plasticity.py.
 SPECS = [spec for spec in ROWS if not spec[0].startswith("j2.")]
 
 # Both kernels sum the same few hundred terms in different orders: some tens of roundings of 1.1e-16. The neo-Hookean

@@ -90,11 +90,16 @@ MortarContact::MortarContact(std::shared_ptr<const surface::FunctionSpace> V, su
 
 // --- friction, and nodes that belong to several pairs ----------------------------------------------------------------
 
+double MortarContact::own_friction() const
+{
+  return _options.slip == Slip::of_increments ? _options.friction : 0.0;
+}
+
 double MortarContact::friction() const
 {
-  double out = _options.friction;
+  double out = own_friction();
   for (const Partner& p : partners)
-    out = std::max(out, p.contact->_options.friction);
+    out = std::max(out, p.contact->own_friction());
   return out;
 }
 
@@ -102,11 +107,11 @@ double MortarContact::friction() const
 std::vector<double> MortarContact::coefficients() const
 {
   if (!_geometry->joined())
-    return std::vector<double>(_geometry->num_nodes(), _options.friction);
+    return std::vector<double>(_geometry->num_nodes(), own_friction());
   std::vector<double> friction(partners.size() + 1);
-  friction[_geometry->member()] = _options.friction;
+  friction[_geometry->member()] = own_friction();
   for (const Partner& p : partners)
-    friction[p.contact->_geometry->member()] = p.contact->_options.friction;
+    friction[p.contact->_geometry->member()] = p.contact->own_friction();
   return _geometry->joined()->mean(_geometry->member(), friction);
 }
 
@@ -762,7 +767,7 @@ std::vector<ContactStatus> MortarContact::status() const
   std::vector<ContactStatus> out(on.size(), ContactStatus::open);
   for (std::size_t i = 0; i < on.size(); ++i)
     if (on[i])
-      out[i] = _state.sliding[i] || _options.friction == 0.0 ? ContactStatus::slip : ContactStatus::stick;
+      out[i] = _state.sliding[i] || own_friction() == 0.0 ? ContactStatus::slip : ContactStatus::stick;
   return out;
 }
 

@@ -52,7 +52,7 @@ public:
   const ContactTotals& totals() const { return _totals; }
   ContactTotals& totals() { return _totals; }
 
-  /// Coefficient of friction, the largest of those that act at a node [1].
+  /// Coefficient of friction of slips of increments, the largest of those that act at a node [1].
   double friction() const;
   bool has_friction() const override { return friction() > 0.0; }
 
@@ -169,6 +169,7 @@ private:
   };
   Present present() const;
   Linearisation linearisation() const;
+  double own_friction() const;
   std::vector<double> coefficients() const;
   std::vector<std::int8_t> touching() const;
   std::vector<std::int8_t> loaded() const;

@@ -6,6 +6,13 @@
 
 namespace dolfinx_impact::enforcement
 {
+/// Which slip a contact's law of friction is of.
+enum class Slip
+{
+  of_increments, ///< displacements of slave against master in load steps
+  of_flow        ///< velocities of bodies that flow through their meshes (rolling::RollingContact)
+};
+
 /// What may be chosen of a contact by multipliers.
 struct MortarOptions
 {
@@ -17,5 +24,6 @@ struct MortarOptions
   bool axisymmetric = false;                           ///< x is the radius
   bool remove_penetration = false;                     ///< gaps count from initial penetrations
   bool may_share_nodes = true;                         ///< with other contacts
+  Slip slip = Slip::of_increments;                     ///< that friction is of
 };
 } // namespace dolfinx_impact::enforcement

@@ -61,6 +61,7 @@ class LagrangeContact(StaticContactView):
         problem: StaticProblem.
 
     Attributes:
+        spec: as given.
         basis: basis of the multipliers.
         quadrature_degree: degree of the quadrature; None: exact on flat, affine facets.
         geometry: gaps, normals and weights of the nodes: MortarGeometry (C++).
@@ -70,33 +71,36 @@ class LagrangeContact(StaticContactView):
 
     may_share_nodes = True  # with other contacts by multipliers
     has_multipliers = True
+    all_in_cpp = True
     kind = "multipliers"  #: name of the method that enforces the contact
 
+    _cpp_object: _cpp.multipliers.MortarContact
     nodes: IntArray
     fixed: BoolArray
 
     def __init__(self, spec: Lagrange, problem: Any) -> None:
+        self.spec = spec
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
         pair, gdim = self.pair, problem.space.mesh.geometry.dim
-        slave, master = pair.surfaces(problem.space)
+        slave, facets = pair.surfaces(problem.space)
+        master = facets or pair.rigid_master.shared(gdim)
         options = _cpp.multipliers.MortarOptions(
-            name=pair.name, friction=self._friction_of_increments(), basis=getattr(_cpp.gap.Multipliers, spec.basis),
+            name=pair.name, friction=pair.friction, basis=getattr(_cpp.gap.Multipliers, spec.basis),
             quadrature_degree=spec.quadrature_degree, search_distance=pair.search_distance or 0.0,
             axisymmetric=problem.axisymmetric, remove_penetration=pair.remove_penetration,
             may_share_nodes=self.may_share_nodes,
         )  # fmt: skip
-        self._cpp_object = _cpp.multipliers.MortarContact(
-            problem.space._cpp_object, slave, pair.rigid_master.shared(gdim) if pair.rigid else master, options,
-            problem.fixed,
+        self._cpp_object = self._in_cpp(
+            problem.space._cpp_object, slave, master, options, problem.fixed,
         )  # fmt: skip
         self.geometry = self._cpp_object.geometry
         self.nodes, self.gdim, self.fixed = self.geometry.nodes, gdim, self.geometry.fixed
         self._tell_of_penetration()
 
-    def _friction_of_increments(self) -> float:
-        """Coefficient of friction of the slips of increments [1]."""
-        return self.pair.friction
+    def _in_cpp(self, V: Any, slave: Any, master: Any, options: Any, fixed: Any) -> _cpp.multipliers.MortarContact:
+        """The contact in C++."""
+        return _cpp.multipliers.MortarContact(V, slave, master, options, fixed)
 
     @functools.cached_property
     def _totals(self) -> _cpp.enforcement.ContactTotals:
@@ -143,7 +147,7 @@ class LagrangeContact(StaticContactView):
 
     @multiplier.setter
     def multiplier(self, value: FloatArray) -> None:
-        self._cpp_object.multiplier = value
+        self._cpp_object.multiplier = np.asarray(value, dtype=np.float64)
 
     @property
     def friction_traction(self) -> FloatArray:
@@ -152,7 +156,7 @@ class LagrangeContact(StaticContactView):
 
     @friction_traction.setter
     def friction_traction(self, value: FloatArray) -> None:
-        self._cpp_object.friction_traction = value
+        self._cpp_object.friction_traction = np.asarray(value, dtype=np.float64)
 
     @property
     def traction_n(self) -> FloatArray:
@@ -171,7 +175,7 @@ class LagrangeContact(StaticContactView):
 
     @opening.setter
     def opening(self, value: FloatArray) -> None:
-        self._cpp_object.opening = value
+        self._cpp_object.opening = np.asarray(value, dtype=np.float64)
 
     @property
     def linearised_gap(self) -> FloatArray:
@@ -180,7 +184,7 @@ class LagrangeContact(StaticContactView):
 
     @linearised_gap.setter
     def linearised_gap(self, value: FloatArray) -> None:
-        self._cpp_object.linearised_gap = value
+        self._cpp_object.linearised_gap = np.asarray(value, dtype=np.float64)
 
     @property
     def usable(self) -> BoolArray:
@@ -235,8 +239,8 @@ class LagrangeContact(StaticContactView):
 
     # --- linear system -----------------------------------------------------------------------------------------------
 
-    def constraints(self) -> Any:
-        """Constraints of the active nodes for the linear system: Constraints (C++)."""
+    def constraints(self) -> _cpp.multipliers.Constraints:
+        """Constraints of the active nodes for the linear system."""
         return self._cpp_object.constraints()
 
     def friction_springs(self) -> tuple[PETSc.Mat, FloatArray] | None:

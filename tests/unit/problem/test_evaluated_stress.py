@@ -1,7 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""Stresses that a user computes at quadrature points: the checks of evaluated_stress_checks.py."""
-
-import evaluated_stress_checks
-from on_ranks import rank_tests
-
-test_one_rank, test_several_ranks = rank_tests(evaluated_stress_checks)

@@ -1,7 +1,0 @@
-# SPDX-License-Identifier: MIT
-"""Series in XDMF on several numbers of ranks; the checks are in xdmf_checks.py."""
-
-import xdmf_checks
-from on_ranks import rank_tests
-
-test_one_rank, test_several_ranks = rank_tests(xdmf_checks)
