@@ -6,7 +6,7 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test verify matrix bench docs notebooks public-names shell lint format clean lint-here formats-here \
+.PHONY: help demo test verify matrix bench docs notebooks public-names shell lint format stub clean lint-here formats-here \
   types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
@@ -55,6 +55,9 @@ tidy: ## clang-tidy on the C++ library and the hand-written solver (a part: make
 
 format: ## rewrite the sources as the formatters want them
 	$(RUN) --no-build sh -c 'find cpp demos -name "*.h" -o -name "*.cpp" | xargs -r clang-format-19 -i && black -q .'
+
+stub: ## the typed stub of the compiled module, python/dolfinx_impact/_cpp, from its bindings
+	$(RUN) python3 cpp/bindings/stub.py python/dolfinx_impact/_cpp
 
 clean: ## remove what builds and runs wrote in the checkout (the cached environment stays)
 	rm -rf build results .pytest_cache .hypothesis

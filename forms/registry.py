@@ -101,7 +101,7 @@ def _table() -> tuple[Row, ...]:
             if cell not in quadrature.SIMPLICES and degree == 2:
                 names.append("nodal_mass")
             if degree == 1:
-                names += ["neo_hookean.tangent", "neo_hookean.energy"]
+                names += ["neo_hookean.tangent", "neo_hookean.energy", "ale_inertia", "centrifugal_load"]
                 names += [
                     f"{law}.{what}" for law in ("linear_elastic", "neo_hookean") for what in ("damping", "viscosity")
                 ]

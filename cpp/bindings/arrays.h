@@ -2,6 +2,7 @@
 #pragma once
 // Arrays in and out: views that are checked, results that own their memory.
 #include "module.h"
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -17,6 +18,21 @@ typedef nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> MutableV
 inline std::span<const double> view(const Values& values)
 {
   return {values.data(), values.size()};
+}
+
+/// What a function returns or is given, by the type that annotations say: arrays of NumPy's, and others that may be
+/// None.
+template <typename T>
+using Typed = nb::typed<nb::object, T>;
+template <typename T>
+using NumpyArray = nb::ndarray<nb::numpy, T>;
+/// An array of values of any type.
+typedef nb::ndarray<nb::numpy> AnyArray;
+/// An object, whose type annotations say from here on.
+template <typename T>
+Typed<T> typed(const nb::object& value)
+{
+  return nb::borrow<Typed<T>>(value);
 }
 
 /// NumPy array that owns a moved vector.

@@ -52,10 +52,10 @@ void bind_static_contact(nb::module_& m)
       .def("update_nodal_stiffness", &StaticContact::update_nodal_stiffness, nb::arg("K"))
       .def(
           "tangent",
-          [](StaticContact& c) -> nb::object
+          [](StaticContact& c)
           {
             Mat tangent = c.tangent();
-            return tangent ? nb::cast(tangent, nb::rv_policy::reference) : nb::none();
+            return typed<std::optional<Mat>>(tangent ? nb::cast(tangent, nb::rv_policy::reference) : nb::none());
           },
           "PETSc matrix, kept by this object; None: zero. Collective")
       .def("set_convex", &StaticContact::set_convex, nb::arg("convex"))

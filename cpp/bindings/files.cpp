@@ -6,7 +6,6 @@
 #include "dolfinx_impact/files/checkpoint.h"
 #include "dolfinx_impact/files/nodes.h"
 #include <dolfinx/fem/FunctionSpace.h>
-#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <system_error>
 
@@ -17,6 +16,9 @@ namespace
 using namespace dolfinx_impact::bindings;
 using dolfinx_impact::state::State;
 typedef dolfinx::fem::FunctionSpace<double> Space;
+
+/// Values of attributes by their names.
+typedef nb::typed<nb::dict, std::string, nb::any> Named;
 
 /// A text, int, float or array of floats.
 Value as_value(nb::handle value)
@@ -48,7 +50,7 @@ nb::object as_object(const Value& value)
   return nb::none();
 }
 
-Attributes as_attributes(const nb::dict& values)
+Attributes as_attributes(const Named& values)
 {
   Attributes out;
   for (const auto& [name, value] : values)
@@ -58,7 +60,7 @@ Attributes as_attributes(const nb::dict& values)
 
 /// Identity of a problem.
 /// @param[in] advice by name of an attribute
-Identity as_identity(const nb::dict& values, const std::map<std::string, std::string>& advice, const State& supports)
+Identity as_identity(const Named& values, const std::map<std::string, std::string>& advice, const State& supports)
 {
   Identity out{as_attributes(values), supports};
   for (Attribute& a : out.attributes)
@@ -79,14 +81,14 @@ struct OwnedBlock
   Block block;
 };
 
-nb::object values(const OwnedBlock& self)
+Typed<NumpyArray<double>> values(const OwnedBlock& self)
 {
   std::vector<double> all = self.block.values();
   const std::size_t columns = self.block.width();
   if (self.block.flat())
-    return nb::cast(take(std::move(all)));
+    return typed<NumpyArray<double>>(nb::cast(take(std::move(all))));
   const std::size_t rows = columns == 0 ? 0 : all.size() / columns;
-  return nb::cast(take(std::move(all), {rows, columns}));
+  return typed<NumpyArray<double>>(nb::cast(take(std::move(all), {rows, columns})));
 }
 } // namespace
 
@@ -112,10 +114,11 @@ void dolfinx_impact::bindings::files(nb::module_& m)
       .def_prop_ro("place", [](const OwnedBlock& self) { return self.block.place(); })
       .def_prop_ro(
           "numbers",
-          [](const OwnedBlock& self) -> nb::object
+          [](const OwnedBlock& self)
           {
             const std::vector<std::int64_t>* found = self.block.numbers();
-            return found ? nb::cast(copy(*found, {found->size()})) : nb::none();
+            return typed<std::optional<NumpyArray<std::int64_t>>>(found ? nb::cast(copy(*found, {found->size()}))
+                                                                        : nb::none());
           },
           "Nodes or facets of the rows; None: all")
       .def_prop_ro(
@@ -128,7 +131,7 @@ void dolfinx_impact::bindings::files(nb::module_& m)
       "blocks",
       [](nb::handle_t<State> state)
       {
-        nb::list out;
+        nb::typed<nb::list, OwnedBlock> out;
         for (Block& block : blocks(nb::cast<const State&>(state)))
           out.append(nb::cast(OwnedBlock{nb::borrow<nb::object>(state), std::move(block)}));
         return out;
@@ -149,18 +152,18 @@ void dolfinx_impact::bindings::files(nb::module_& m)
       nb::rv_policy::move, "Numbers of this rank's owned cells in the mesh's input; raises for submeshes");
   m.def(
       "write",
-      [](const std::string& path, const Space& V, const State& state, const nb::dict& identity, const State& supports,
-         const nb::dict& more) { write(path, V, state, as_identity(identity, {}, supports), as_attributes(more)); },
+      [](const std::string& path, const Space& V, const State& state, const Named& identity, const State& supports,
+         const Named& more) { write(path, V, state, as_identity(identity, {}, supports), as_attributes(more)); },
       nb::arg("path"), nb::arg("V"), nb::arg("state"), nb::arg("identity"), nb::arg("supports"), nb::arg("more"),
       "Write a state. Collective.");
   m.def(
       "read",
-      [](const std::string& path, const Space& V, const State& like, const nb::dict& identity, const State& supports,
+      [](const std::string& path, const Space& V, const State& like, const Named& identity, const State& supports,
          const std::map<std::string, std::string>& advice, const std::vector<std::string>& more,
          const std::vector<std::string>& equal, const std::vector<std::string>& infinite)
       {
         const Saved saved = read(path, V, like, as_identity(identity, advice, supports), {more, equal, infinite});
-        nb::dict attributes;
+        Named attributes;
         for (const Attribute& a : saved.attributes)
           attributes[a.name.c_str()] = as_object(a.value);
         return std::pair(saved.state, attributes);

@@ -35,7 +35,8 @@ void bind_crossing(nb::module_& m)
       "Marks of points that are open on the far side of a rigid obstacle, through which their paths lead");
   m.def(
       "through_master",
-      [](dolfinx_wrappers::MPICommWrapper comm, Marks suspects, Values sizes, const nb::callable& gap_at)
+      [](dolfinx_wrappers::MPICommWrapper comm, Marks suspects, Values sizes,
+         const nb::typed<nb::callable, NumpyArray<const double>(double)>& gap_at)
       {
         check_points(sizes.size(), suspects.size(), "sizes");
         const auto gaps = [&](double part)

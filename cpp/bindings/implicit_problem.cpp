@@ -10,6 +10,7 @@ using namespace dolfinx_impact::problems;
 namespace
 {
 using dolfinx_impact::bindings::from_table;
+using dolfinx_impact::bindings::NumpyArray;
 using dolfinx_impact::bindings::take;
 using dolfinx_impact::bindings::Values;
 using dolfinx_impact::enforcement::StaticContact;
@@ -21,9 +22,12 @@ using dolfinx_impact::solve::LinearSolverLimits;
 typedef dolfinx::fem::Function<double> Function;
 typedef std::array<double, 3> Vector;
 
+/// A function of Python's that samples functions of time.
+typedef nb::typed<nb::callable, NumpyArray<const double>(NumpyArray<double>)> Table;
+
 /// Table of the functions of time at some times, (num_times, num_columns), from Python, which raises on all ranks
 /// alike.
-FunctionsOfTime::Source source_of(nb::callable table)
+FunctionsOfTime::Source source_of(Table table)
 {
   return [table = std::move(table)](std::span<const double> times)
   {
@@ -37,7 +41,7 @@ FunctionsOfTime::Source source_of(nb::callable table)
 class Sampled
 {
 public:
-  Sampled(NewmarkProblem& problem, nb::callable table) : _problem(problem)
+  Sampled(NewmarkProblem& problem, Table table) : _problem(problem)
   {
     problem.functions().set_source(source_of(std::move(table)));
   }
@@ -83,7 +87,7 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
              std::shared_ptr<Function> a, const ImplicitBody& body, std::vector<PrescribedMotion> supports,
              std::vector<ImplicitContact> contacts, const ImplicitScheme& scheme,
              std::map<std::string, std::string> petsc, const std::string& prefix, bool axisymmetric,
-             const LinearSolverLimits& limits, std::function<void(const std::string&)> warn, nb::callable table)
+             const LinearSolverLimits& limits, std::function<void(const std::string&)> warn, Table table)
           {
             const NewmarkOptions options{scheme, {std::move(petsc), prefix, axisymmetric, limits, std::move(warn)}};
             new (self) NewmarkProblem(std::move(u), std::move(v), body, std::move(supports), {}, std::move(contacts),
@@ -99,7 +103,7 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
              std::function<void(const std::string&)> progress,
              std::function<void(int, double, double, std::int64_t, std::int64_t)> iteration,
              std::function<void(double)> update, std::function<void()> started, std::function<void()> begins,
-             std::function<double()> goal, std::function<void()> accepted, nb::callable table)
+             std::function<double()> goal, std::function<void()> accepted, Table table)
           {
             const Sampled sampled(self, std::move(table));
             self.advance(until,
@@ -135,7 +139,7 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
           "What the problem goes on from, values of its own. Collective")
       .def(
           "resume",
-          [](NewmarkProblem& self, const dolfinx_impact::state::State& saved, nb::callable table)
+          [](NewmarkProblem& self, const dolfinx_impact::state::State& saved, Table table)
           {
             const Sampled sampled(self, std::move(table));
             resume(self, saved);

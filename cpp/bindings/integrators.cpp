@@ -17,19 +17,12 @@ std::span<T> span(const nb::ndarray<T, nb::ndim<1>, nb::c_contig, nb::device::cp
   return {a.data(), a.size()};
 }
 
-FormForces forces(nb::object inner, nb::object outer, std::string displacement, std::string velocity)
-{
-  FormForces f{nullptr, nullptr, displacement, velocity};
-  if (!inner.is_none())
-    f.inner = nb::cast<std::shared_ptr<InternalForce>>(inner);
-  if (!outer.is_none())
-    f.outer = nb::cast<std::shared_ptr<InternalForce>>(outer);
-  return f;
-}
+/// Is told what the handler of a signal has raised, or None, and says whether to stop.
+typedef nb::typed<nb::callable, bool(nb::any)> Asked;
 
 /// Runs the handlers of signals that have arrived: Python does so between its own instructions only. What one raises is
 /// not thrown through a step, but handed to the caller.
-bool interrupted(const nb::object& asked)
+bool interrupted(const Asked& asked)
 {
   nb::gil_scoped_acquire lock;
   nb::object error = nb::none();
@@ -41,10 +34,10 @@ bool interrupted(const nb::object& asked)
   return nb::cast<bool>(asked(error));
 }
 
-nb::object row(const Energies& e)
+Typed<NumpyArray<double>> row(const Energies& e)
 {
   const auto values = e.values();
-  return nb::cast(dolfinx_impact::bindings::take(std::vector<double>(values.begin(), values.end())));
+  return typed<NumpyArray<double>>(nb::cast(take(std::vector<double>(values.begin(), values.end()))));
 }
 
 } // namespace
@@ -62,9 +55,10 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
   nb::class_<FormForces>(m, "FormForces", "Forces of a form, and which coefficients the integrator provides")
       .def(
           "__init__",
-          [](FormForces* self, nb::object inner, nb::object outer, std::string displacement, std::string velocity)
-          { new (self) FormForces(forces(inner, outer, displacement, velocity)); }, nb::arg("inner").none(),
-          nb::arg("outer").none(), nb::arg("displacement") = "", nb::arg("velocity") = "");
+          [](FormForces* self, std::shared_ptr<InternalForce> inner, std::shared_ptr<InternalForce> outer,
+             std::string displacement, std::string velocity)
+          { new (self) FormForces{std::move(inner), std::move(outer), std::move(displacement), std::move(velocity)}; },
+          nb::arg("inner").none(), nb::arg("outer").none(), nb::arg("displacement") = "", nb::arg("velocity") = "");
   nb::class_<CentralDifference>(m, "CentralDifference", "Explicit integration; docs/explicit/scheme.md")
       .def(
           "__init__",
@@ -92,11 +86,12 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("start", [](CentralDifference& self, Values u, Values v) { self.start(span(u), span(v)); })
       .def(
           "run",
-          [](CentralDifference& self, Values steps, Values table, int columns, MutableValues history, nb::object asked)
+          [](CentralDifference& self, Values steps, Values table, int columns, MutableValues history,
+             std::optional<Asked> asked)
           {
             std::function<bool()> ask;
-            if (!asked.is_none())
-              ask = [&asked] { return interrupted(asked); };
+            if (asked)
+              ask = [&asked] { return interrupted(*asked); };
             int done = 0;
             {
               nb::gil_scoped_release release;
@@ -134,7 +129,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
           [](const CentralDifference& self)
           {
             const auto [contact, p] = self.passage();
-            return nb::make_tuple(contact, p.node, p.facets);
+            return std::tuple(contact, p.node, p.facets);
           },
           "Contact (-1: none), local node, facets per step of the slave node that went through a master fastest")
       .def("update_gaps", &CentralDifference::update_gaps)

@@ -23,9 +23,13 @@ std::vector<Kernel> wrap(const std::vector<const impact_kernel*>& list)
   return out;
 }
 
-nb::dict element(const impact_element& e)
+/// What is known of an element, a coefficient, an output, by name.
+typedef nb::typed<nb::dict, std::string, nb::any> Description;
+typedef nb::typed<nb::list, Description> Descriptions;
+
+Description element(const impact_element& e)
 {
-  nb::dict d;
+  Description d;
   d["description"] = e.description;
   d["kind"] = e.kind;
   d["degree"] = e.degree;
@@ -56,7 +60,7 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("sums",
                    [](const Kernel& s)
                    {
-                     nb::dict d;
+                     std::map<std::string, int> d;
                      for (int i = 0; i < s.k->num_sums; ++i)
                        d[s.k->sums[i].name] = s.k->sums[i].offset;
                      return d;
@@ -64,10 +68,10 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("outputs",
                    [](const Kernel& s)
                    {
-                     nb::list out;
+                     Descriptions out;
                      for (int i = 0; i < s.k->num_outputs; ++i)
                      {
-                       nb::dict d;
+                       Description d;
                        d["name"] = s.k->outputs[i].name;
                        d["num_components"] = s.k->outputs[i].num_components;
                        d["offset"] = s.k->outputs[i].offset;
@@ -82,7 +86,7 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("arguments",
                    [](const Kernel& s)
                    {
-                     nb::list out;
+                     Descriptions out;
                      for (int i = 0; s.k->arguments && i < s.k->rank; ++i)
                        out.append(element(s.k->arguments[i]));
                      return out;
@@ -90,10 +94,10 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("coefficients",
                    [](const Kernel& s)
                    {
-                     nb::list out;
+                     Descriptions out;
                      for (int i = 0; i < s.k->num_coefficients; ++i)
                      {
-                       nb::dict d = element(s.k->coefficients[i].element);
+                       Description d = element(s.k->coefficients[i].element);
                        d["name"] = s.k->coefficients[i].name;
                        d["offset"] = s.k->coefficients[i].offset;
                        d["position"] = s.k->coefficients[i].position;
@@ -104,10 +108,10 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("constants",
                    [](const Kernel& s)
                    {
-                     nb::list out;
+                     Descriptions out;
                      for (int i = 0; i < s.k->num_constants; ++i)
                      {
-                       nb::dict d;
+                       Description d;
                        d["name"] = s.k->constants[i].name;
                        d["size"] = s.k->constants[i].size;
                        d["offset"] = s.k->constants[i].offset;

@@ -20,29 +20,29 @@ inline std::span<const std::int8_t> view(const Mask& values)
 }
 
 /// NumPy mask with a copy of a vector.
-inline nb::object mask(const std::vector<std::int8_t>& values, std::vector<std::size_t> shape)
+inline Typed<NumpyArray<bool>> mask(const std::vector<std::int8_t>& values, std::vector<std::size_t> shape)
 {
   auto* out = new bool[values.size()];
   std::copy(values.begin(), values.end(), out);
   nb::capsule owner(out, [](void* p) noexcept { delete[] static_cast<bool*>(p); });
-  return nb::cast(nb::ndarray<nb::numpy, bool>(out, shape.size(), shape.data(), owner));
+  return typed<NumpyArray<bool>>(nb::cast(NumpyArray<bool>(out, shape.size(), shape.data(), owner)));
 }
 
-inline nb::object mask(const std::vector<std::int8_t>& values)
+inline Typed<NumpyArray<bool>> mask(const std::vector<std::int8_t>& values)
 {
   return mask(values, {values.size()});
 }
 
 /// Vectors by node, (n, gdim).
-inline nb::object vectors(std::vector<double> values, std::size_t num, int gdim)
+inline Typed<NumpyArray<double>> vectors(std::vector<double> values, std::size_t num, int gdim)
 {
-  return nb::cast(take(std::move(values), {num, std::size_t(gdim)}));
+  return typed<NumpyArray<double>>(nb::cast(take(std::move(values), {num, std::size_t(gdim)})));
 }
 
 /// NumPy array of its own.
 template <typename T>
-nb::object array(std::vector<T> values)
+Typed<NumpyArray<T>> array(std::vector<T> values)
 {
-  return nb::cast(take(std::move(values)));
+  return typed<NumpyArray<T>>(nb::cast(take(std::move(values))));
 }
 } // namespace dolfinx_impact::bindings

@@ -21,10 +21,12 @@ SegmentRule rule(const Facets& slave, const Values& points, const Values& weight
   return {{points.data(), points.size()}, {weights.data(), weights.size()}};
 }
 
+/// Rows, columns and values.
 auto as_arrays(const Entries& e)
 {
-  return nb::make_tuple(copy(e.rows, {e.rows.size()}), copy(e.cols, {e.cols.size()}),
-                        copy(e.values, {e.values.size()}));
+  typedef std::tuple<NumpyArray<std::int32_t>, NumpyArray<std::int32_t>, NumpyArray<double>> Arrays;
+  return typed<Arrays>(
+      nb::make_tuple(copy(e.rows, {e.rows.size()}), copy(e.cols, {e.cols.size()}), copy(e.values, {e.values.size()})));
 }
 
 void check_nodal(const Facets& facets, std::size_t size, int block)
@@ -93,8 +95,8 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
                   hessian[(i * gdim + a) * gdim + b] = p.hessian[3 * a + b];
               }
             }
-            return nb::make_tuple(take(std::move(gap)), take(std::move(normal), {num, gdim}),
-                                  take(std::move(hessian), {num, gdim, gdim}));
+            return std::tuple(take(std::move(gap)), take(std::move(normal), {num, gdim}),
+                              take(std::move(hessian), {num, gdim, gdim}));
           },
           nb::arg("x"), "Gaps, normals and their derivatives at points (flat array of coordinates)");
   nb::class_<Segments>(m, "Segments", "Quadrature points where slave facets face master facets; properties are copies")

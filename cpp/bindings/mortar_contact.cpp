@@ -15,7 +15,7 @@ using namespace dolfinx_impact::bindings;
 typedef MortarContact Contact;
 
 /// Vectors by node of a contact, (n, gdim).
-nb::object by_node(const Contact& c, std::vector<double> values)
+Typed<NumpyArray<double>> by_node(const Contact& c, std::vector<double> values)
 {
   return vectors(std::move(values), c.geometry().num_nodes(), c.geometry().gdim());
 }
@@ -68,7 +68,11 @@ void bind_state(nb::class_<Contact, MultiplierContact>& c)
       .def_prop_rw("total_slip", get_vectors(&MortarState::total_slip), set(&MortarState::total_slip))
       .def_prop_rw(
           "opening",
-          [](const Contact& c) { return c.nodal_state().begun ? array(c.nodal_state().opening) : nb::none(); },
+          [](const Contact& c)
+          {
+            return typed<std::optional<NumpyArray<double>>>(c.nodal_state().begun ? array(c.nodal_state().opening)
+                                                                                  : nb::none());
+          },
           [](Contact& c, Array values)
           {
             assign(c.nodal_state().opening, values);
@@ -101,13 +105,14 @@ void bind_linear_problems(nb::class_<Contact, MultiplierContact>& c)
       .def("constraints", &Contact::constraints, "Constraints of the active nodes for the linear system")
       .def(
           "friction_springs",
-          [](Contact& c) -> nb::object
+          [](Contact& c)
           {
             auto found = c.friction_springs();
-            if (!found)
-              return nb::none();
-            return nb::make_tuple(nb::cast(found->first, nb::rv_policy::take_ownership),
-                                  take(std::move(found->second)));
+            nb::object springs = nb::none();
+            if (found)
+              springs =
+                  nb::make_tuple(nb::cast(found->first, nb::rv_policy::take_ownership), take(std::move(found->second)));
+            return typed<std::optional<std::pair<Mat, NumpyArray<double>>>>(springs);
           },
           "Matrix of the caller's own and forces, or None. Collective")
       .def("imposed_friction_forces", [](const Contact& c) { return array(c.imposed_friction_forces()); })
@@ -119,7 +124,7 @@ void bind_linear_problems(nb::class_<Contact, MultiplierContact>& c)
           [](const Contact& c, Array increments, Array forces)
           {
             auto found = c.linearised_response(view(increments), view(forces));
-            return nb::make_tuple(take(std::move(found.first)), take(std::move(found.second)));
+            return std::pair(take(std::move(found.first)), take(std::move(found.second)));
           },
           nb::arg("increments"), nb::arg("forces"), "What gaps and multipliers gain, without friction. Collective")
       .def(

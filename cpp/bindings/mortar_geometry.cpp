@@ -102,10 +102,10 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           nb::rv_policy::take_ownership, "Springs between nodes and what they face [F/L]. Collective")
       .def(
           "tangent",
-          [](Geometry& g, Array multiplier, Array traction, Mask active) -> nb::object
+          [](Geometry& g, Array multiplier, Array traction, Mask active)
           {
             Mat A = g.tangent(view(multiplier), view(traction), view(active));
-            return A ? nb::cast(A, nb::rv_policy::reference) : nb::none();
+            return typed<std::optional<Mat>>(A ? nb::cast(A, nb::rv_policy::reference) : nb::none());
           },
           nb::arg("multiplier"), nb::arg("traction"), nb::arg("active"),
           "Derivative of minus the contact force at given multipliers, kept by this object; None: zero. Collective")
@@ -132,7 +132,7 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           [](const RigidGeometry& g)
           {
             const std::size_t gdim = g.gdim();
-            return nb::cast(copy(g.now().hessian, {g.num_nodes(), gdim, gdim}));
+            return typed<NumpyArray<double>>(nb::cast(copy(g.now().hessian, {g.num_nodes(), gdim, gdim})));
           },
           "Derivatives of the normals, (n, gdim, gdim) [1/L]");
 }

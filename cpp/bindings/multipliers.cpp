@@ -40,7 +40,7 @@ void bind_integrals(nb::module_& m)
                                                               vector<double>(values)};
         dolfinx_impact::operators::CooMatrix out;
         out.assign(comm.get(), PetscInt(num_rows), PetscInt(num_columns), 1, std::move(entries));
-        return nb::cast(out.matrix(), nb::rv_policy::reference);
+        return typed<Mat>(nb::cast(out.matrix(), nb::rv_policy::reference));
       },
       nb::arg("comm"), nb::arg("num_rows"), nb::arg("num_columns"), nb::arg("rows"), nb::arg("columns"),
       nb::arg("values"), "Matrix from entries of any rows, global numbers; equal places add up. Collective");
@@ -109,8 +109,8 @@ void bind_constraints(nb::module_& m)
       {
         const std::size_t num = normals.shape(0), gdim = normals.shape(1);
         NodalFrames f = frames_at(int(gdim), view(normals), view(fixed));
-        return nb::make_tuple(take(std::move(f.frames), {num, gdim, gdim}), take(std::move(f.place)),
-                              take(std::move(f.length)));
+        return std::tuple(take(std::move(f.frames), {num, gdim, gdim}), take(std::move(f.place)),
+                          take(std::move(f.length)));
       },
       nb::arg("normals"), nb::arg("fixed"),
       "Frames (n, gdim, gdim), place of the normal direction (n), length of the normal's free part (n)");
@@ -166,7 +166,7 @@ void bind_saddle_point(nb::module_& m)
           "redundant",
           [](const SaddlePoint& s)
           {
-            nb::list out;
+            nb::typed<nb::list, NumpyArray<std::int64_t>> out;
             for (const auto& rows : s.redundant())
               out.append(copy(rows, {rows.size()}));
             return out;
@@ -175,14 +175,14 @@ void bind_saddle_point(nb::module_& m)
       .def_prop_ro("right", &SaddlePoint::right, nb::rv_policy::reference, "C, kept by this object")
       .def_prop_ro("left", &SaddlePoint::left, nb::rv_policy::reference, "C_L, kept by this object")
       .def(
-          "mult", [](SaddlePoint& s, nb::list stiffness, Vec x, Vec y) { s.mult(matrices(stiffness), x, y); },
+          "mult", [](SaddlePoint& s, const Matrices& stiffness, Vec x, Vec y) { s.mult(matrices(stiffness), x, y); },
           nb::arg("stiffness"), nb::arg("x"), nb::arg("y"), "y = A x. Collective")
       .def(
-          "load", [](SaddlePoint& s, nb::list stiffness, Array residual, Vec values, Vec b)
+          "load", [](SaddlePoint& s, const Matrices& stiffness, Array residual, Vec values, Vec b)
           { s.load(matrices(stiffness), view(residual), values, b); }, nb::arg("stiffness"), nb::arg("residual"),
           nb::arg("values"), nb::arg("b"), "Right-hand side. Collective")
       .def(
-          "assemble", [](SaddlePoint& s, nb::list stiffness) { return s.assemble(matrices(stiffness)); },
+          "assemble", [](SaddlePoint& s, const Matrices& stiffness) { return s.assemble(matrices(stiffness)); },
           nb::arg("stiffness"), nb::rv_policy::take_ownership, "A as a matrix of its own. Collective")
       .def(
           "unknowns", [](const SaddlePoint& s, Array increments, Array forces)

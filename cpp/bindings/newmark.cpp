@@ -31,17 +31,17 @@ void field(nb::class_<Class>& c, const char* name, std::vector<double> Class::* 
       {
         std::vector<double>& values = nb::cast<Class&>(self).*member;
         const std::size_t shape[] = {values.size()};
-        return nb::cast(nb::ndarray<nb::numpy, double>(values.data(), 1, shape, self));
+        return typed<NumpyArray<double>>(nb::cast(NumpyArray<double>(values.data(), 1, shape, self)));
       },
       [member](Class& self, Array values) { self.*member = copy_of(values); });
 }
 
-nb::object rows(const Places& places)
+Typed<NumpyArray<double>> rows(const Places& places)
 {
   std::vector<double> out;
   for (const auto& place : places)
     out.insert(out.end(), place.begin(), place.end());
-  return nb::cast(take(std::move(out), {places.size(), 3}));
+  return typed<NumpyArray<double>>(nb::cast(take(std::move(out), {places.size(), 3})));
 }
 
 Places places_of(const Array& values)
@@ -185,13 +185,14 @@ void bind_bodies(nb::module_& m)
   nb::class_<FunctionVelocityForce, VelocityForce>(m, "FunctionVelocityForce", "Those that are functions")
       .def(
           "__init__",
-          [](FunctionVelocityForce* self, nb::callable forces, nb::callable tangent, bool linear)
+          [](FunctionVelocityForce* self, nb::typed<nb::callable, NumpyArray<const double>()> forces,
+             nb::typed<nb::callable, Matrices(Vec)> tangent, bool linear)
           {
             new (self) FunctionVelocityForce([forces] { return copy_of(nb::cast<Array>(forces())); },
                                              [tangent](Vec factors)
                                              {
                                                const nb::object given = nb::cast(factors, nb::rv_policy::reference);
-                                               return matrices(nb::cast<nb::list>(tangent(given)));
+                                               return matrices(nb::cast<Matrices>(tangent(given)));
                                              },
                                              linear);
           },

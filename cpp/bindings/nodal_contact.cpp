@@ -38,13 +38,16 @@ auto rows(const std::vector<T>& values, std::size_t n)
   return copy(values, {n, n ? values.size() / n : 0});
 }
 
-nb::dict results(const NodeToSurface& self)
+/// Arrays by node, by their names.
+typedef nb::typed<nb::dict, std::string, AnyArray> Results;
+
+Results results(const NodeToSurface& self)
 {
   const NodalResults& r = self.results();
   const std::size_t n = r.gap.size(), gdim = self.candidates().gdim();
   std::vector<std::int8_t> status(n);
   std::transform(r.status.begin(), r.status.end(), status.begin(), [](ContactStatus s) { return std::int8_t(s); });
-  nb::dict out;
+  Results out;
   out["status"] = take(std::move(status));
   out["gap"] = copy(r.gap, {n});
   out["normal"] = copy(r.normal, {n, gdim});
@@ -56,10 +59,10 @@ nb::dict results(const NodeToSurface& self)
   return out;
 }
 
-nb::dict counters(const NodeToSurface& self)
+nb::typed<nb::dict, std::string, std::int64_t> counters(const NodeToSurface& self)
 {
   const auto& c = self.tracker().counters();
-  nb::dict out;
+  nb::typed<nb::dict, std::string, std::int64_t> out;
   out["steps"] = c.steps;
   out["nodes"] = c.nodes;
   out["queries"] = c.queries;
@@ -72,9 +75,9 @@ nb::dict counters(const NodeToSurface& self)
   return out;
 }
 
-nb::dict energies(const ContactEnergy& e)
+nb::typed<nb::dict, std::string, double> energies(const ContactEnergy& e)
 {
-  nb::dict out;
+  nb::typed<nb::dict, std::string, double> out;
   out["stored"] = e.stored;
   out["friction"] = e.friction;
   out["normal"] = e.normal;
@@ -179,7 +182,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           [](const NodeToSurface& self)
           {
             const auto p = self.passage();
-            return nb::make_tuple(p.node, p.facets);
+            return std::pair(p.node, p.facets);
           },
           "Local number (-1: none) of the slave node that went through the master fastest, facets per step")
       .def("counters", &counters);
@@ -240,7 +243,14 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
   nb::class_<NodalPair>(m, "NodalPair", "Contact of a pair in an explicit problem: one direction, or both (balanced)")
       .def(nb::init<std::vector<std::shared_ptr<NodalContact>>>(), nb::arg("directions"),
            "The first direction has the slave of the pair, a second one has both surfaces exchanged")
-      .def_prop_ro("directions", &NodalPair::directions)
+      .def_prop_ro("directions",
+                   [](const NodalPair& self)
+                   {
+                     nb::typed<nb::list, NodeToSurface> out; // as which Python makes them
+                     for (const auto& contact : self.directions())
+                       out.append(contact);
+                     return out;
+                   })
       .def_prop_ro(
           "force",
           [](const NodalPair& self)

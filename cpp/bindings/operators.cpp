@@ -8,9 +8,9 @@
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
+#include "masks.h"
 #include "petsc_objects.h"
 #include <dolfinx/la/Vector.h>
-#include <nanobind/stl/tuple.h>
 
 namespace nb = nanobind;
 using namespace dolfinx_impact::operators;
@@ -141,14 +141,9 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
                             "Matrix-free vector of a form of rank 1, value of a form of rank 0")
       .def(
           "__init__",
-          [](InternalForce* self, std::shared_ptr<const Mesh> mesh, nb::object test, std::vector<Integral> integrals,
-             std::map<std::string, std::shared_ptr<const Function>> coefficients, int width)
-          {
-            std::shared_ptr<const FunctionSpace> V;
-            if (!test.is_none())
-              V = nb::cast<std::shared_ptr<const FunctionSpace>>(test);
-            new (self) InternalForce(mesh, V, integrals, coefficients, width);
-          },
+          [](InternalForce* self, std::shared_ptr<const Mesh> mesh, std::shared_ptr<const FunctionSpace> V,
+             std::vector<Integral> integrals, std::map<std::string, std::shared_ptr<const Function>> coefficients,
+             int width) { new (self) InternalForce(mesh, V, integrals, coefficients, width); },
           nb::arg("mesh"), nb::arg("test").none(), nb::arg("integrals"), nb::arg("coefficients"), nb::arg("width") = 0)
       .def(
           "assemble", [](const InternalForce& self, Vector b) { self.assemble({b.data(), b.size()}); },
@@ -172,7 +167,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           [](const InternalForce& self)
           {
             const PointFailures f = self.failures();
-            return nb::make_tuple(f.count, f.cell, f.point, f.residual, f.unknowns);
+            return std::tuple(f.count, f.cell, f.point, f.residual, f.unknowns);
           },
           "Points not solved in the last evaluation on this rank: number, then cell, point, relative residual and "
           "unknowns of the first")
@@ -216,16 +211,11 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       .def_prop_ro("joins_cells", &CellBounds::joins_cells)
       .def(
           "spectra",
-          [](CellBounds& self, Values masses, nb::object only, bool facets)
+          [](CellBounds& self, Values masses, const std::optional<bindings::Mask>& only, bool facets)
           {
-            std::vector<std::int8_t> mask; // outlives what is seen of it
             std::optional<std::span<const std::int8_t>> chosen;
-            if (!only.is_none())
-            {
-              const auto given = nb::cast<nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(only);
-              mask.assign(given.data(), given.data() + given.size());
-              chosen = mask;
-            }
+            if (only)
+              chosen = bindings::view(*only);
             auto found = self.spectra({masses.data(), masses.size()}, chosen, facets);
             const std::size_t num = found.size() / 3;
             return bindings::take(std::move(found), {num, 3});

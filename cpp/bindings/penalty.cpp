@@ -231,7 +231,9 @@ void bind_parts(nb::module_& m)
 }
 
 /// The tangent that a function of Python's assembles; its result lives until the next call.
-QuadraturePenalty::TangentFunction tangent_of(nb::callable assemble)
+typedef nb::typed<nb::callable, Mat()> Assemble;
+
+QuadraturePenalty::TangentFunction tangent_of(Assemble assemble)
 {
   return [assemble = std::move(assemble), kept = std::make_shared<nb::object>()]
   {
@@ -250,7 +252,7 @@ void bind_contact(nb::module_& m)
       .def(
           "__init__",
           [](QuadraturePenalty* self, std::string name, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
-             const Facets& master, const PenaltyOptions& options, nb::callable bodies)
+             const Facets& master, const PenaltyOptions& options, Assemble bodies)
           {
             new (self)
                 QuadraturePenalty(std::move(name), std::move(V), slave, master, options, tangent_of(std::move(bodies)));
@@ -259,7 +261,7 @@ void bind_contact(nb::module_& m)
       .def(
           "__init__",
           [](QuadraturePenalty* self, std::string name, std::shared_ptr<const FunctionSpace> V, const Facets& slave,
-             const Rigid& master, const PenaltyOptions& options, nb::callable bodies)
+             const Rigid& master, const PenaltyOptions& options, Assemble bodies)
           {
             new (self)
                 QuadraturePenalty(std::move(name), std::move(V), slave, master, options, tangent_of(std::move(bodies)));
@@ -280,7 +282,7 @@ void bind_contact(nb::module_& m)
           {
             auto [nodes, means] = p.nodal_means({values.data(), values.size()}, values.shape(1));
             const std::size_t num = nodes.size();
-            return nb::make_tuple(take(std::move(nodes)), take(std::move(means), {num, values.shape(1)}));
+            return std::pair(take(std::move(nodes)), take(std::move(means), {num, values.shape(1)}));
           },
           nb::arg("values"), "Owned nodes and means of point values there");
 }

@@ -17,7 +17,9 @@ T as_petsc(const nanobind::handle& value)
   return static_cast<T&>(caster);
 }
 
-inline std::vector<Mat> matrices(const nanobind::list& values)
+typedef nanobind::typed<nanobind::list, Mat> Matrices;
+
+inline std::vector<Mat> matrices(const Matrices& values)
 {
   std::vector<Mat> out;
   for (nanobind::handle value : values)

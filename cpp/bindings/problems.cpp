@@ -9,7 +9,8 @@
 #include "dolfinx_impact/problems/failed_run.h"
 #include "dolfinx_impact/problems/release_limit.h"
 #include "functions_of_time.h"
-#include <nanobind/stl/optional.h>
+#include "masks.h"
+#include "petsc_objects.h"
 
 namespace nb = nanobind;
 using namespace dolfinx_impact::problems;
@@ -114,9 +115,9 @@ private:
 /// Does what all ranks may throw from together.
 /// @returns kind and text of what was thrown, or None: Python marks it as raised on all ranks
 template <typename F>
-nb::object all_ranks(const F& act)
+std::optional<std::pair<std::string, std::string>> all_ranks(const F& act)
 {
-  std::optional<std::pair<const char*, std::string>> thrown;
+  std::optional<std::pair<std::string, std::string>> thrown;
   {
     const nb::gil_scoped_release release;
     try
@@ -132,7 +133,7 @@ nb::object all_ranks(const F& act)
       thrown = {"failure", e.what()};
     }
   }
-  return thrown ? nb::cast(nb::make_tuple(thrown->first, thrown->second)) : nb::object(nb::none());
+  return thrown;
 }
 
 void bind_history(nb::module_& m)
@@ -188,7 +189,9 @@ std::shared_ptr<nb::object> shared(nb::object function)
           }};
 }
 
-ExplicitBody::Assemble assembled(nb::object function)
+typedef nb::typed<nb::callable, std::shared_ptr<dolfinx_impact::operators::KernelTangent>()> AssembleTangent;
+
+ExplicitBody::Assemble assembled(AssembleTangent function)
 {
   return [kept = shared(std::move(function))]
   {
@@ -209,7 +212,9 @@ void bind_stable_step(nb::module_& m)
       .def_ro("auto", &StepSchedule::automatic)
       .def_prop_ro("dt", &StepSchedule::dt)
       .def("time", &StepSchedule::time, nb::arg("step"))
-      .def("__eq__", [](const StepSchedule& self, const StepSchedule& other) { return self == other; });
+      .def(
+          "__eq__", [](const StepSchedule& self, const StepSchedule& other) { return self == other; },
+          nb::is_operator(), nb::sig("def __eq__(self, other: object, /) -> bool"));
   nb::class_<InputChanges>(m, "InputChanges", "Changes of what the stable step depends on, since it was found")
       .def(nb::init<>())
       .def_rw("stale", &InputChanges::stale)
@@ -238,7 +243,8 @@ void bind_stable_step(nb::module_& m)
           "__init__",
           [](CellFrequencies* self, std::shared_ptr<const FunctionSpace> V,
              std::shared_ptr<dolfinx_impact::operators::CellBounds> stiffness,
-             std::shared_ptr<dolfinx_impact::operators::CellBounds> damping, nb::object masses)
+             std::shared_ptr<dolfinx_impact::operators::CellBounds> damping,
+             nb::typed<nb::callable, nb::ndarray<nb::numpy, const double>()> masses)
           {
             const auto function = shared(std::move(masses));
             new (self) CellFrequencies(std::move(V), std::move(stiffness), std::move(damping),
@@ -254,18 +260,13 @@ void bind_stable_step(nb::module_& m)
           "masses", [](const CellFrequencies& self) { return take(self.masses()); }, nb::rv_policy::move)
       .def(
           "by_cell",
-          [](CellFrequencies& self, nb::object only)
+          [](CellFrequencies& self, const std::optional<dolfinx_impact::bindings::Mask>& only)
           {
-            std::vector<std::int8_t> mask; // outlives what is seen of it
             std::optional<std::span<const std::int8_t>> chosen;
-            if (!only.is_none())
-            {
-              const auto given = nb::cast<nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>>(only);
-              mask.assign(given.data(), given.data() + given.size());
-              chosen = mask;
-            }
+            if (only)
+              chosen = view(*only);
             auto found = self.by_cell(chosen);
-            return nb::make_tuple(take(std::move(found.squares)), take(std::move(found.rates)));
+            return std::pair(take(std::move(found.squares)), take(std::move(found.rates)));
           },
           nb::arg("only") = nb::none(), "Squares of frequencies, and damping over mass. Collective")
       .def("scale_mass", &CellFrequencies::scale_mass, nb::arg("dt"), "Added mass. Collective")
@@ -310,7 +311,8 @@ void bind_supports(nb::module_& m)
           "parts",
           [](const Supports& self)
           {
-            nb::list out;
+            typedef std::tuple<nb::ndarray<nb::numpy, std::int32_t>, nb::ndarray<nb::numpy, double>, int> Part;
+            nb::typed<nb::list, Part> out;
             for (const Supports::Part& part : self.parts())
               out.append(nb::make_tuple(take(std::vector<std::int32_t>(part.dofs)), copy_of(part.values), part.column));
             return out;
@@ -361,7 +363,7 @@ void bind_explicit(nb::module_& m)
           { self.terms.push_back({std::move(forces), kind}); }, nb::arg("forces"), nb::arg("kind"))
       .def(
           "set_matrices",
-          [](ExplicitBody& self, nb::object stiffness, const std::optional<nb::object>& cell_damping)
+          [](ExplicitBody& self, AssembleTangent stiffness, const std::optional<AssembleTangent>& cell_damping)
           {
             self.stiffness = assembled(std::move(stiffness));
             self.cell_damping = cell_damping ? assembled(*cell_damping) : nullptr;

@@ -11,12 +11,16 @@ using dolfinx_impact::surface::Facets;
 
 namespace
 {
+using dolfinx_impact::bindings::Indices;
 using dolfinx_impact::bindings::Values;
+
+/// Arrays by point, by their names.
+typedef nanobind::typed<nanobind::dict, std::string, dolfinx_impact::bindings::AnyArray> Projections;
 
 typedef nanobind::ndarray<const double, nanobind::ndim<2>, nanobind::c_contig, nanobind::device::cpu> Points;
 
 /// Named arrays from structs.
-nanobind::dict projections(const std::vector<Projection>& found, std::size_t gdim)
+Projections projections(const std::vector<Projection>& found, std::size_t gdim)
 {
   std::vector<std::int8_t> status, entity;
   std::vector<std::int32_t> facet;
@@ -30,7 +34,7 @@ nanobind::dict projections(const std::vector<Projection>& found, std::size_t gdi
     gap.push_back(p.gap);
     normal.insert(normal.end(), p.normal, p.normal + gdim);
   }
-  nanobind::dict out;
+  Projections out;
   out["status"] = dolfinx_impact::bindings::take(std::move(status));
   out["entity"] = dolfinx_impact::bindings::take(std::move(entity));
   out["facet"] = dolfinx_impact::bindings::take(std::move(facet));
@@ -156,18 +160,18 @@ void dolfinx_impact::bindings::search(nb::module_& m)
       .def("update", &SurfaceSearch::update, "To be called when the facets have moved")
       .def(
           "project",
-          [](const SurfaceSearch& self, Points x, Points slave_normals, double reach, nb::object previous)
+          [](const SurfaceSearch& self, Points x, Points slave_normals, double reach,
+             const std::optional<Indices>& previous)
           {
             const std::size_t num = x.shape(0), gdim = self.master().gdim;
             if (x.shape(1) != gdim || slave_normals.shape(0) != num || slave_normals.shape(1) != gdim)
               throw std::invalid_argument("points and slave normals are arrays of shape (number, gdim)");
-            const Indices last = previous.is_none() ? Indices() : nb::cast<Indices>(previous);
-            if (!previous.is_none() && last.size() != num)
+            if (previous && previous->size() != num)
               throw std::invalid_argument("previous facets: one number per point");
             std::vector<Projection> found(num);
             for (std::size_t i = 0; i < num; ++i)
               found[i] = self.project(x.data() + i * gdim, slave_normals.data() + i * gdim, reach,
-                                      previous.is_none() ? -1 : last.data()[i]);
+                                      previous ? previous->data()[i] : -1);
             return projections(found, gdim);
           },
           nb::arg("x"), nb::arg("slave_normals"), nb::arg("reach"), nb::arg("previous").none() = nb::none(),

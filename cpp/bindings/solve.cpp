@@ -10,6 +10,7 @@
 #include "dolfinx_impact/solve/Newton.h"
 #include "dolfinx_impact/solve/eigenvalues.h"
 #include "dolfinx_impact/solve/unconstrained_modes.h"
+#include "masks.h"
 #include "petsc_objects.h"
 #include <algorithm>
 #include <caster_mpi.h>
@@ -28,8 +29,6 @@ typedef dolfinx::fem::FunctionSpace<double> Space;
 namespace
 {
 using namespace dolfinx_impact::bindings;
-typedef nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu> Mask;
-
 std::vector<std::int8_t> bytes(const Mask& mask)
 {
   return {mask.data(), mask.data() + mask.size()};
@@ -54,32 +53,30 @@ void bind_systems(nb::module_& m)
           "displacements", [](LinearSystem& self, Vec y) { return take(self.displacements(y)); }, nb::arg("y"),
           "Increments of displacement that unknowns stand for. Collective")
       .def("create_vector", &LinearSystem::create_vector, nb::rv_policy::take_ownership, "A vector of the unknowns")
-      .def_prop_ro(
-          "pinned",
-          [](const LinearSystem& self)
-          {
-            const auto pinned = self.pinned();
-            return take(std::vector<std::int8_t>(pinned.begin(), pinned.end()));
-          },
-          nb::rv_policy::move)
+      .def_prop_ro("pinned",
+                   [](const LinearSystem& self)
+                   {
+                     const auto pinned = self.pinned();
+                     return mask(std::vector<std::int8_t>(pinned.begin(), pinned.end()));
+                   })
       .def_prop_ro("symmetric", &LinearSystem::symmetric);
   nb::class_<CondensedSystem, LinearSystem>(m, "CondensedSystem", "Multipliers condensed, or no multipliers")
       .def(
           "__init__",
-          [](CondensedSystem* self, Mat K, nb::list extra, bool symmetric, Condensation* condensation, Mask pinned,
-             double diagonal)
+          [](CondensedSystem* self, Mat K, const Matrices& extra, bool symmetric, Condensation* condensation,
+             Mask pinned, double diagonal)
           { new (self) CondensedSystem(K, matrices(extra), symmetric, condensation, bytes(pinned), diagonal); },
           nb::arg("K"), nb::arg("extra"), nb::arg("symmetric"), nb::arg("condensation").none(), nb::arg("pinned"),
           nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>());
   nb::class_<PerturbedSystem, CondensedSystem>(m, "PerturbedSystem",
                                                "Symmetric, and unsymmetric matrices that preconditioners leave out")
       .def(
-          "__init__", [](PerturbedSystem* self, Mat K, nb::list extra, Mask pinned, double diagonal)
+          "__init__", [](PerturbedSystem* self, Mat K, const Matrices& extra, Mask pinned, double diagonal)
           { new (self) PerturbedSystem(K, matrices(extra), bytes(pinned), diagonal); }, nb::arg("K"), nb::arg("extra"),
           nb::arg("pinned"), nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>());
   nb::class_<SaddlePointSystem, LinearSystem>(m, "SaddlePointSystem", "Multipliers kept as unknowns")
       .def(
-          "__init__", [](SaddlePointSystem* self, Mat K, nb::list extra, SaddlePoint& rows)
+          "__init__", [](SaddlePointSystem* self, Mat K, const Matrices& extra, SaddlePoint& rows)
           { new (self) SaddlePointSystem(K, matrices(extra), rows); }, nb::arg("K"), nb::arg("extra"), nb::arg("rows"),
           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>());
 }
@@ -105,10 +102,10 @@ void bind_linear_solver(nb::module_& m)
            "Solve; returns what is wrong, or an empty text. Collective")
       .def_prop_ro(
           "factors",
-          [](const LinearSolver& self) -> nb::object
+          [](const LinearSolver& self)
           {
             Mat factors = self.factors();
-            return factors ? nb::cast(factors, nb::rv_policy::reference) : nb::none();
+            return typed<std::optional<Mat>>(factors ? nb::cast(factors, nb::rv_policy::reference) : nb::none());
           },
           "Factors of the system that was factorised last; None if there are none")
       .def("set_up", &LinearSolver::set_up, nb::arg("system"), "Make the preconditioner of a system now. Collective")
@@ -117,7 +114,9 @@ void bind_linear_solver(nb::module_& m)
       .def("warn_of_unused", &LinearSolver::warn_of_unused)
       .def("set_near_nullspace", &LinearSolver::set_near_nullspace, nb::arg("A"))
       .def_prop_ro("direct", &LinearSolver::direct)
-      .def_prop_ro("ksp", [](const LinearSolver& self) { return as_ksp(self.ksp()); })
+      .def_prop_ro(
+          "ksp", [](const LinearSolver& self) { return as_ksp(self.ksp()); },
+          nb::for_getter(nb::sig("def ksp(self) -> petsc4py.PETSc.KSP")))
       .def_prop_ro("prefix", &LinearSolver::prefix)
       .def_prop_ro("num_set_ups", &LinearSolver::num_set_ups)
       .def_prop_ro("num_iterations", &LinearSolver::num_iterations);
@@ -164,9 +163,9 @@ std::vector<double> copy_of(const Values& values)
 }
 
 /// Times by the names of their parts.
-nb::dict by_part(const SolveSeconds& seconds)
+nb::typed<nb::dict, std::string, double> by_part(const SolveSeconds& seconds)
 {
-  nb::dict out;
+  nb::typed<nb::dict, std::string, double> out;
   out["bodies"] = seconds.bodies;
   out["contact"] = seconds.contact;
   out["linear"] = seconds.linear;
@@ -242,8 +241,9 @@ void bind_newton(nb::module_& m)
   nb::class_<FunctionBody, Body>(m, "FunctionBody", "Bodies whose residual and tangent are functions")
       .def(
           "__init__",
-          [](FunctionBody* self, nb::callable residual, nb::callable tangent, std::function<std::string()> fault,
-             std::function<void()> accept_step, std::optional<nb::callable> origin,
+          [](FunctionBody* self, nb::typed<nb::callable, Vec()> residual, nb::typed<nb::callable, Mat()> tangent,
+             std::function<std::string()> fault, std::function<void()> accept_step,
+             std::optional<nb::typed<nb::callable, NumpyArray<const double>()>> origin,
              std::function<std::optional<double>()> stored_energy, BodyProperties properties)
           {
             FunctionBody::Functions functions{[residual] { return as_petsc<Vec>(residual()); },
@@ -376,13 +376,12 @@ void bind_rigid_body_modes(nb::module_& m)
   m.def(
       "unconstrained_modes",
       [](std::shared_ptr<const Space> V, Mask fixed, const std::vector<std::shared_ptr<StaticContact>>& contacts,
-         Values u, bool axisymmetric, nb::object stiffness)
+         Values u, bool axisymmetric, std::optional<Mat> stiffness)
       {
         std::vector<StaticContact*> pointers;
         for (const auto& contact : contacts)
           pointers.push_back(contact.get());
-        return unconstrained_modes(*V, bytes(fixed), pointers, view(u), axisymmetric,
-                                   stiffness.is_none() ? nullptr : as_petsc<Mat>(stiffness));
+        return unconstrained_modes(*V, bytes(fixed), pointers, view(u), axisymmetric, stiffness.value_or(nullptr));
       },
       nb::arg("V"), nb::arg("fixed"), nb::arg("contacts"), nb::arg("u"), nb::arg("axisymmetric") = false,
       nb::arg("stiffness") = nb::none(), "Rigid body modes that nothing constrains, in words. Collective");
@@ -392,14 +391,15 @@ void bind_eigenvalues(nb::module_& m)
 {
   m.def(
       "largest_eigenvalue",
-      [](Mat A, nb::object B, double tolerance, bool factorise) -> nb::object
+      [](Mat A, std::optional<Mat> B, double tolerance, bool factorise)
       {
         const EigenOptions options{.tolerance = tolerance,
                                    .inner = factorise ? InnerSolver::cholesky : InnerSolver::conjugate_gradients};
-        const auto found = largest_eigenvalue(A, B.is_none() ? nullptr : as_petsc<Mat>(B), options);
-        if (!found)
-          return nb::none();
-        return nb::make_tuple(found->first, nb::cast(found->second, nb::rv_policy::take_ownership));
+        const auto found = largest_eigenvalue(A, B.value_or(nullptr), options);
+        nb::object pair = nb::none();
+        if (found)
+          pair = nb::make_tuple(found->first, nb::cast(found->second, nb::rv_policy::take_ownership));
+        return typed<std::optional<std::pair<double, Vec>>>(pair);
       },
       nb::arg("A"), nb::arg("B").none(), nb::arg("tolerance"), nb::arg("factorise") = false,
       "Largest eigenvalue of A x = lambda B x, and eigenvector; None: not found. Collective");
@@ -411,7 +411,7 @@ void bind_eigenvalues(nb::module_& m)
       "quadratic_eigenpairs",
       [](Mat K, Mat G, Mat M, int count, double shift, double tolerance, int max_iterations)
       {
-        nb::list out;
+        nb::typed<nb::list, std::tuple<std::complex<double>, Vec, Vec>> out;
         const EigenOptions options{.tolerance = tolerance, .max_iterations = max_iterations};
         for (const QuadraticEigenpair& pair : quadratic_eigenpairs(K, G, M, count, shift, options))
           out.append(nb::make_tuple(pair.value, nb::cast(pair.real, nb::rv_policy::take_ownership),

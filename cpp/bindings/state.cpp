@@ -10,14 +10,15 @@ namespace
 using namespace dolfinx_impact::bindings;
 
 /// Arrays of a field as NumPy sees them: views of its memory.
-nb::object as_array(const Field& field, nb::handle owner)
+Typed<AnyArray> as_array(const Field& field, nb::handle owner)
 {
   const std::size_t shape[] = {field.rows(), field.columns};
   return std::visit(
-      [&](auto span) -> nb::object
+      [&](auto span)
       {
         typedef typename decltype(span)::value_type T;
-        return nb::cast(nb::ndarray<nb::numpy, T>(span.data(), field.columns == 1 ? 1 : 2, shape, owner));
+        return typed<AnyArray>(
+            nb::cast(nb::ndarray<nb::numpy, T>(span.data(), field.columns == 1 ? 1 : 2, shape, owner)));
       },
       field.values);
 }
@@ -75,10 +76,11 @@ void dolfinx_impact::bindings::state(nb::module_& m)
                    })
       .def(
           "numbers",
-          [](const State& self, Place place) -> nb::object
+          [](const State& self, Place place)
           {
             const std::vector<std::int64_t>* found = self.numbers(place);
-            return found ? nb::cast(copy(*found, {found->size()})) : nb::none();
+            return typed<std::optional<NumpyArray<std::int64_t>>>(found ? nb::cast(copy(*found, {found->size()}))
+                                                                        : nb::none());
           },
           nb::arg("place"), "Nodes or facets that rows at a place belong to; None: all")
       .def(

@@ -59,13 +59,16 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           "Solve for the present values of loads, boundary conditions and obstacles. Collective")
       .def(
           "solve_by",
-          [](StaticProblem& self, std::function<Increment(nb::object)> solver, int steps, int cut_backs, Line log,
-             std::function<void(int, double, double)> begins, std::function<void(double)> accepted)
+          [](StaticProblem& self, std::function<Increment(Typed<NumpyArray<double>>)> solver, int steps, int cut_backs,
+             Line log, std::function<void(int, double, double)> begins, std::function<void(double)> accepted)
           {
-            return self.solve([&](std::span<const double> goal)
-                              { return solver(nb::cast(take(std::vector<double>(goal.begin(), goal.end())))); },
-                              {.steps = steps, .cut_backs = cut_backs},
-                              {std::move(log), std::move(begins), std::move(accepted)});
+            return self.solve(
+                [&](std::span<const double> goal)
+                {
+                  return solver(
+                      typed<NumpyArray<double>>(nb::cast(take(std::vector<double>(goal.begin(), goal.end())))));
+                },
+                {.steps = steps, .cut_backs = cut_backs}, {std::move(log), std::move(begins), std::move(accepted)});
           },
           nb::arg("solver"), nb::arg("steps"), nb::arg("cut_backs"), nb::arg("log"), nb::arg("begins"),
           nb::arg("accepted"), "The same, increments solved by a function of Python's. Collective")

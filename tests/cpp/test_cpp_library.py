@@ -85,6 +85,11 @@ CHECKS = {
         (r"impulse / \(2 m v\) = (\S+)", 1.0, 0.02),
         (r"energy after / before = (\S+)", 1.0, 0.02),
     ],
+    # All of the contact slips, by Coulomb's law; the wheel's rolling radius is its own, less a part of the approach.
+    "rolling_wheel": [
+        (r"slipping: force / \(friction \* pressure\) = (\S+)", 1.0, 1e-8),
+        (r"free rolling: omega R / V = (\S+)", 1.0, 0.01),
+    ],
     "yielding_bar": [
         (r"force on the end / von Karman's = (\S+)", 1.0, 0.02),
         (r"plastic energy / von Karman's = (\S+)", 1.0, 0.03),

@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-/// Seventh stage: time stepping.
+/// Eighth stage: time stepping.
 namespace dolfinx_impact::integrators
 {
 using operators::FunctionSpace;

@@ -122,7 +122,7 @@ def cell_masses(
     v, trial = ufl.TestFunction(V), ufl.TrialFunction(V)
     dx, degree = mass_measure(V, hypothesis, cell_tags), V.element.basix_element.degree
     errors: list[str] = []
-    out = []
+    out: list[tuple[IntArray, FloatArray]] = []
     num_dofs = V.dofmap.dof_layout.num_dofs * V.dofmap.bs  # of a cell; a rank may have no cell of a material
     for tag, density in parts:
         integral = functools.partial(_cell_integral, tag=tag, cell_tags=cell_tags)

@@ -269,7 +269,7 @@ class _Operator:
         return self._cpp_object.width(0)
 
     @property
-    def flops(self) -> int:
+    def flops(self) -> float:
         """Number of floating-point operations of one application on this rank."""
         return self._cpp_object.flops
 
@@ -501,7 +501,8 @@ class SplitForce(Described):
             Both parts, with the names of the displacement and of the velocity among the coefficients.
         """
         given = [self._names.get(id(f), "") for f in self._given]
-        return _cpp.integrators.FormForces(*(p._cpp_object for p in self._parts), *given)
+        inner, outer = (part._cpp_object for part in self._parts)
+        return _cpp.integrators.FormForces(inner, outer, *given)
 
 
 class Energy(_Operator):

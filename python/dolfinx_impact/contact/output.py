@@ -204,9 +204,9 @@ class ContactOutput:
 
     def update_totals(self) -> None:
         """Sum up force, moment, area and work of friction of a converged increment. Collective."""
-        rows = (np.ascontiguousarray(a, dtype=float) for a in (self.points, self.traction, self.slip))
+        x, traction, slip = (np.ascontiguousarray(a, dtype=float) for a in (self.points, self.traction, self.slip))
         status, covered = np.asarray(self.status, dtype=np.int8), np.asarray(self.covered(), dtype=float)
-        self._totals.update(self.comm, *rows, status, self.weight, covered)
+        self._totals.update(self.comm, x, traction, slip, status, self.weight, covered)
 
     def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
         """Values of the contact points by nodes. Collective.

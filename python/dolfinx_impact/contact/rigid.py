@@ -136,7 +136,9 @@ class _Rigid(Fixed):
                 raise ValueError("the normal of a rigid plane on a plane mesh has a third component")
             if self._point[2] != 0.0:
                 raise ValueError("the rigid obstacle lies outside the plane of the mesh")
-        return _cpp.gap.Rigid(self._kind, gdim, self._point.tolist(), self._direction.tolist(), self._radius)
+        return _cpp.gap.Rigid(
+            self._kind, gdim, [*map(float, self._point)], [*map(float, self._direction)], self._radius
+        )
 
 
 class RigidPlane(_Rigid):

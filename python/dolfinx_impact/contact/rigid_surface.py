@@ -108,7 +108,7 @@ class RigidSurface(_Rigid):
             cells = np.where(errors > tolerance, np.minimum(2 * cells, MOST[size]), cells)
         pad = 3 - size
         shape = _cpp.gap.HeightField(
-            size, origin.tolist(), _axes(_unit("normal", normal)[:size]).tolist(),
+            size, [*map(float, origin)], [[*map(float, axis)] for axis in _axes(_unit("normal", normal)[:size])],
             [*limits[:, 0], *[0.0] * pad], [*(lengths / cells), *[0.0] * pad], [*map(int, cells), *[0] * pad],
             np.ascontiguousarray(coefficients).ravel(),
         )  # fmt: skip

@@ -2,7 +2,6 @@
 """What static contacts in C++ have in common, as Python sees it."""
 
 import logging
-from typing import Any
 
 import numpy as np
 from petsc4py import PETSc
@@ -21,7 +20,7 @@ class StaticContactView(ContactOutput):
     A derived class has the attributes `pair`, `comm`, `gdim` and `_cpp_object`.
     """
 
-    _cpp_object: _cpp.enforcement.StaticContact
+    _cpp_object: _cpp.multipliers.MortarContact | _cpp.penalty.QuadraturePenalty
 
     @property
     def fault(self) -> str:
@@ -29,8 +28,8 @@ class StaticContactView(ContactOutput):
         return str(self._cpp_object.fault)
 
     @property
-    def initial(self) -> Any:
-        """Penetrations in the reference configuration: InitialPenetration (C++)."""
+    def initial(self) -> _cpp.gap.InitialPenetration:
+        """Penetrations in the reference configuration."""
         return self._cpp_object.initial
 
     def _tell_of_penetration(self) -> None:

@@ -76,7 +76,7 @@ class CurrentState:
         self.update_functions()
         for contact in self.contacts:
             contact.update_results()
-        values = dict(zip(ENERGIES, self.integrator.energies().tolist()))
+        values = dict(zip(ENERGIES, map(float, self.integrator.energies())))
         self.share.update(values)
         for contact in self.contacts:
             contact.penetration_share = 0.0 if contact.kinematic else self.share.of(contact.stored, values)

@@ -112,6 +112,8 @@ class ExplicitProblem(TransientProblem):
 
     _instead = "use save and restore, or make another one on a displacement function of its own"
 
+    _cpp_object: _cpp.problems.ExplicitProblem
+
     def __init__(
         self,
         u: fem.Function,

@@ -12,7 +12,7 @@ from .run_history import RunHistory
 class TransientProblem(BodyResults):
     """Base of problems in time; a derived class sets `_cpp_object` and `_history`."""
 
-    _cpp_object: _cpp.problems.TransientProblem
+    _cpp_object: _cpp.problems.ExplicitProblem | _cpp.problems.NewmarkProblem
     _history: RunHistory
 
     @property

@@ -102,7 +102,11 @@ class Problem(Protocol):
     material: _Material | MaterialMap | None
     damping: Rayleigh
     loads: tuple[Load, ...]
-    supports: list[tuple[IntArray, FloatArray, int]]
+
+    @property
+    def supports(self) -> Sequence[tuple[IntArray, FloatArray, int]]:
+        """Owned degrees of freedom of each support, their values [L] and the column of their function of time."""
+
     bulk_viscosity: tuple[float, float]
     residual_form: ufl.Form | None
     given_density: float | ufl.core.expr.Expr | None

@@ -284,6 +284,7 @@ class RollingProblem(Unique):
         spin: ArrayLike | None = None,
         file: FilePath | None = None,
         progress: bool = True,
+        identity: Mapping[str, Any] | None = None,
         **options: Any,
     ) -> dict[str, FloatArray]:
         """Steady states for a sequence of creepages, each found from the one before: a creep curve. Collective.
@@ -299,6 +300,9 @@ class RollingProblem(Unique):
                 (n) or one number; meshes in space [1/L].
             file: HDF5 file that is written after every point. Points that it has already are not solved again.
             progress: show a progress bar on rank 0.
+            identity: numbers and texts by name that the problem was made from, for example all parameters of a study.
+                The file has them, and a sweep with others, to the last digit, refuses it. The file has what the
+                problem was made of in any case, but sums over the mesh and rates that were found only to round-off.
             options: of `solve`.
 
         Returns:
@@ -323,7 +327,10 @@ class RollingProblem(Unique):
             flat = self.u.function_space.mesh.geometry.dim == 2
             if flat and (np.any(points["lateral"]) or np.any(points["spin"])):
                 raise ValueError("lateral and spin creep need a mesh in space")
-            ranks.same(points=[points[name] for name in sweep.INPUTS], file=None if file is None else str(file))
+            own = sweep.stated(identity)
+            ranks.same(
+                points=[points[name] for name in sweep.INPUTS], file=None if file is None else str(file), identity=own
+            )
         start = first.omega
 
         def solve(creep: float, lateral: float, spin: float) -> dict[str, Any]:
@@ -342,7 +349,10 @@ class RollingProblem(Unique):
             kept.set(*state)
 
         kept = SweepState(self._equilibrium, self._cpp_object.settle)
-        return sweep.run(comm, points, solve, file, progress, self._fingerprint(options), kept, begin_from)
+        problem = self._fingerprint(options)
+        problem.arguments = own | problem.arguments
+        return sweep.run(comm, points, solve, file, progress, problem, kept, begin_from)
+
 
     def _fingerprint(self, options: dict[str, Any]) -> Fingerprint:
         """What tells the points of another problem. Collective.

@@ -28,6 +28,7 @@ UNITS = {"creep": "1", "lateral": "1", "spin": "1/L", "force": "F", "torque": "F
 SAME = 1e-6  # relative difference of rates of one problem: a spin that was found has the solver's accuracy
 SUM = 1e-9  # relative difference of sums over nodes: round-off is less, another mesh differs by more
 STATE = ("state/values", "state/totals")
+OWN = "identity of "  # beginning of the names of entries that the caller states
 
 
 @dataclass
@@ -43,7 +44,7 @@ class Fingerprint:
     rates: FloatArray
 
     def difference(self, arguments: Mapping[str, Any], rates: FloatArray) -> str:
-        """Name of the first argument that another problem has otherwise; an empty text: it is the same.
+        """What tells another problem first, as "friction differs"; an empty text: it is the same.
 
         Args:
             arguments: of the other problem.
@@ -55,9 +56,33 @@ class Fingerprint:
             if isinstance(here, np.ndarray) and isinstance(there, np.ndarray) and here.shape == there.shape:
                 same = bool(np.all(np.abs(here - there) <= SUM * np.abs(here).max(initial=0.0)))
             if not same:
-                return name.removeprefix(SUMS)
+                stated = here is not None and there is not None
+                return f"{name.removeprefix(SUMS).removeprefix(OWN)} {'differs' if stated else 'is known of one alone'}"
         same = self.rates.shape == rates.shape and np.allclose(self.rates, rates, rtol=SAME, atol=0.0)
-        return "" if same else "motions"
+        return "" if same else "motions differ"
+
+
+def stated(identity: Any) -> dict[str, str]:
+    """Entries of a fingerprint for what the caller states.
+
+    Args:
+        identity: numbers and texts by name, or None.
+
+    Returns:
+        Texts by name; those of numbers have all digits.
+
+    Raises:
+        TypeError: it is no such table.
+    """
+    if identity is None:
+        return {}
+    if not isinstance(identity, Mapping):
+        raise TypeError(f"identity must be a dict of numbers and texts by name, found {type(identity).__name__}")
+    for name, value in identity.items():
+        if not isinstance(name, str) or not isinstance(value, str | bool | int | float | np.number):
+            raise TypeError(f"identity must have numbers and texts by name, found {name!r}: {value!r:.60}")
+    values = {name: value.item() if isinstance(value, np.number) else value for name, value in identity.items()}
+    return {f"{OWN}{name}": repr(value) for name, value in values.items()}
 
 
 def creepages(creep: Any, lateral: Any, spin: Any) -> dict[str, FloatArray]:
@@ -120,7 +145,7 @@ def read(
     rates = np.asarray(attributes.pop("rates", np.zeros(0)))
     other = problem.difference(attributes, rates)
     if other:
-        raise ValueError(f"{path} has the sweep of another problem, {other} differs: remove it, or give another name")
+        raise ValueError(f"{path} has the sweep of another problem, {other}: remove it, or give another name")
     num, force = len(found["creep"]), len(np.atleast_1d(found["force"][0])) if len(found["force"]) else 0
     shapes = {name: (num, force) if name == "force" else (num,) for name in UNITS}
     whole = all(found[name].shape == shape and np.all(np.isfinite(found[name])) for name, shape in shapes.items())

@@ -13,7 +13,7 @@ from mpi4py import MPI
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from dolfinx_impact import _cpp, materials
 from dolfinx_impact.assembly import operators
-from dolfinx_impact.common.types import FloatArray
+from dolfinx_impact.common.types import Float64Array, FloatArray
 
 # Cell, degree and cells per side.
 Case: TypeAlias = tuple[str, int, int]
@@ -90,7 +90,7 @@ class Setup:
         material = law(1e3, 0.3, 1.0, "plane_strain" if plane else "3d")
         self.form = operators.internal_force_form(self.u, ufl.TestFunction(self.V), material)
         self.num_cells: int = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
-        self.b: FloatArray = fem.Function(self.V).x.array
+        self.b: Float64Array = fem.Function(self.V).x.array
         self.pack_seconds: float | None = None
 
     def ours(self, width: int = 0) -> tuple[float, operators.InternalForce]:

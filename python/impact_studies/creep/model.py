@@ -96,6 +96,11 @@ class CreepModel:
         return 3 * int(self.u.function_space.dofmap.index_map.size_global)
 
     @property
+    def identity(self) -> dict[str, float | str]:
+        """All that tells this wheel from another, by name; files of curves have it."""
+        return {**self.data.values(), "half": "y > 0" if self.sides == 2 else "both", "law": type(self._steel).__name__}
+
+    @property
     def contact(self) -> RollingContact:
         """The contact with friction and its results."""
         found = self.problem.contact[0]
@@ -149,14 +154,19 @@ class CreepModel:
             creep: longitudinal, of the wheel against the rail, (n) or one number [1].
             lateral: (n) or one number [1].
             spin: (n) or one number [1/m].
-            file: HDF5 file that is written after every point, and gone on from.
+            file: HDF5 file that is written after every point, and gone on from. It has all parameters; the file of
+                another wheel is refused.
             progress: show a progress bar on rank 0.
 
         Returns:
             Arrays by name: creep, lateral, spin, omega (n) [1/s], force (n, 3) on the wheel [N], torque (n) [N m], of
             the whole wheel; ratio (n): tangential force over friction times normal force [1].
+
+        Raises:
+            ValueError: the file belongs to another wheel or curve; on all ranks.
+            RuntimeError: no equilibrium was found, or the file cannot be read or written; on all ranks.
         """
-        found = self.problem.sweep(creep, lateral, spin, file, progress)
+        found = self.problem.sweep(creep, lateral, spin, file, progress, identity=self.identity)
         force = self.sides * found["force"]
         if self.sides == 2:
             force[:, 1] = 0.0

@@ -27,8 +27,8 @@ from .stress import NAMES
 def _frame(displacement: FloatArray, stress: FloatArray) -> _cpp.state.State:
     """Values at owned nodes as a state: views of arrays with rows by node."""
     out = State("frame")
-    out.add("displacement", Place.node, displacement)
-    out.add("stress", Place.node, stress)
+    out.add("displacement", Place.node, np.asarray(displacement, dtype=np.float64))
+    out.add("stress", Place.node, np.asarray(stress, dtype=np.float64))
     return out
 
 

@@ -129,9 +129,9 @@ def _carried(nodes: Mapping[str, FloatArray], cells: Mapping[str, FloatArray]) -
     """What passages hand on as a state: views of arrays at owned nodes and of owned cells by name, rows of numbers."""
     out, history = State("carried"), State("history")
     for name, values in nodes.items():
-        out.add(name, Place.node, values)
+        out.add(name, Place.node, np.asarray(values, dtype=np.float64))
     for name, values in cells.items():
-        history.add(name, Place.cell, values)
+        history.add(name, Place.cell, np.asarray(values, dtype=np.float64))
     out.add(history)
     return out
 

@@ -107,7 +107,7 @@ class NodalPair(ContactOutput):
         self,
         pair: ContactPair,
         problem: ExplicitContactProblem,
-        law: type[_cpp.nodal.NodeToSurface],
+        law: type[_cpp.nodal.NodePenalty] | type[_cpp.nodal.KinematicContact],
         by_step: bool = False,
         **options: Any,
     ) -> None:
@@ -122,13 +122,15 @@ class NodalPair(ContactOutput):
         if pair.rigid and options.get("balanced"):
             raise ValueError(f"{pair.name}: contact with a rigid master has one direction, it cannot be balanced")
         slave, master = pair.surfaces(V)
-        self.obstacle = pair.rigid_master.obstacle(self.gdim) if pair.rigid else None
+        self.obstacle = pair.rigid_master.obstacle(self.gdim) if master is None else None
         if self.obstacle is not None:
-            self.obstacle.displacement = pair.rigid_master.displacement.tolist()
+            self.obstacle.displacement = list(map(float, pair.rigid_master.displacement))
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
             _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
         self._law, self.parameters = law, options
-        self._surfaces = slave, self.obstacle if pair.rigid else master
+        met = master or self.obstacle
+        assert met is not None  # one of the two
+        self._surfaces = slave, met
         by_class = options if law is _cpp.nodal.KinematicContact else {**options, "by_step": by_step}
         self._cpp_object = self._make(**by_class)
         self._sides = self._cpp_object.directions
@@ -155,7 +157,7 @@ class NodalPair(ContactOutput):
         """Name of the method that enforces the contact, as checkpoints have it."""
         return "KinematicContact" if self.kinematic else "PenaltyContact"
 
-    def facets(self) -> tuple[Any, Any]:
+    def facets(self) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | _cpp.gap.Rigid]:
         """Facets of slave and master on this rank (C++), or the obstacle."""
         return self._surfaces
 
@@ -167,9 +169,11 @@ class NodalPair(ContactOutput):
             search_distance=pair.search_distance or 0.0,
             axisymmetric=self.problem.axisymmetric,
         )
+        slave, master = self._surfaces
         if balanced:
-            return _cpp.nodal.balanced_penalty(self.V._cpp_object, *self._surfaces, **options)
-        return _cpp.nodal.NodalPair([self._law(self.V._cpp_object, *self._surfaces, **options)])
+            assert isinstance(master, _cpp.surface.Facets)  # rigid masters were refused
+            return _cpp.nodal.balanced_penalty(self.V._cpp_object, slave, master, **options)
+        return _cpp.nodal.NodalPair([self._law(self.V._cpp_object, slave, master, **options)])
 
     @property
     def penalty(self) -> float:

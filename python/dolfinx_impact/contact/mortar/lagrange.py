@@ -74,6 +74,7 @@ class LagrangeContact(StaticContactView):
     all_in_cpp = True
     kind = "multipliers"  #: name of the method that enforces the contact
 
+    _cpp_object: _cpp.multipliers.MortarContact
     nodes: IntArray
     fixed: BoolArray
 
@@ -82,7 +83,8 @@ class LagrangeContact(StaticContactView):
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
         pair, gdim = self.pair, problem.space.mesh.geometry.dim
-        slave, master = pair.surfaces(problem.space)
+        slave, facets = pair.surfaces(problem.space)
+        master = facets or pair.rigid_master.shared(gdim)
         options = _cpp.multipliers.MortarOptions(
             name=pair.name, friction=pair.friction, basis=getattr(_cpp.gap.Multipliers, spec.basis),
             quadrature_degree=spec.quadrature_degree, search_distance=pair.search_distance or 0.0,
@@ -90,8 +92,7 @@ class LagrangeContact(StaticContactView):
             may_share_nodes=self.may_share_nodes,
         )  # fmt: skip
         self._cpp_object = self._in_cpp(
-            problem.space._cpp_object, slave, pair.rigid_master.shared(gdim) if pair.rigid else master, options,
-            problem.fixed,
+            problem.space._cpp_object, slave, master, options, problem.fixed,
         )  # fmt: skip
         self.geometry = self._cpp_object.geometry
         self.nodes, self.gdim, self.fixed = self.geometry.nodes, gdim, self.geometry.fixed
@@ -146,7 +147,7 @@ class LagrangeContact(StaticContactView):
 
     @multiplier.setter
     def multiplier(self, value: FloatArray) -> None:
-        self._cpp_object.multiplier = value
+        self._cpp_object.multiplier = np.asarray(value, dtype=np.float64)
 
     @property
     def friction_traction(self) -> FloatArray:
@@ -155,7 +156,7 @@ class LagrangeContact(StaticContactView):
 
     @friction_traction.setter
     def friction_traction(self, value: FloatArray) -> None:
-        self._cpp_object.friction_traction = value
+        self._cpp_object.friction_traction = np.asarray(value, dtype=np.float64)
 
     @property
     def traction_n(self) -> FloatArray:
@@ -174,7 +175,7 @@ class LagrangeContact(StaticContactView):
 
     @opening.setter
     def opening(self, value: FloatArray) -> None:
-        self._cpp_object.opening = value
+        self._cpp_object.opening = np.asarray(value, dtype=np.float64)
 
     @property
     def linearised_gap(self) -> FloatArray:
@@ -183,7 +184,7 @@ class LagrangeContact(StaticContactView):
 
     @linearised_gap.setter
     def linearised_gap(self, value: FloatArray) -> None:
-        self._cpp_object.linearised_gap = value
+        self._cpp_object.linearised_gap = np.asarray(value, dtype=np.float64)
 
     @property
     def usable(self) -> BoolArray:
@@ -238,8 +239,8 @@ class LagrangeContact(StaticContactView):
 
     # --- linear system -----------------------------------------------------------------------------------------------
 
-    def constraints(self) -> Any:
-        """Constraints of the active nodes for the linear system: Constraints (C++)."""
+    def constraints(self) -> _cpp.multipliers.Constraints:
+        """Constraints of the active nodes for the linear system."""
         return self._cpp_object.constraints()
 
     def friction_springs(self) -> tuple[PETSc.Mat, FloatArray] | None:

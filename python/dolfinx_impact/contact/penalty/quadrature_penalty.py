@@ -29,14 +29,14 @@ class QuadraturePenalty(StaticContactView):
 
     has_multipliers = False
     all_in_cpp = True
+    _cpp_object: _cpp.penalty.QuadraturePenalty
 
     def __init__(self, pair: ContactPair, problem: StaticContactProblem, **options: Any) -> None:
         self.pair, self.problem, self.options, V = pair, problem, options, problem.space
         self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
         self.slave, self.master = pair.surfaces(V)
-        self.obstacle = None
-        if pair.rigid:
-            self.obstacle = pair.rigid_master.obstacle(self.gdim)
+        self.obstacle = pair.rigid_master.obstacle(self.gdim) if self.master is None else None
+        if self.obstacle is not None:
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
         parameters = _cpp.penalty.PenaltyOptions()
         for name, value in options.items():
@@ -51,8 +51,10 @@ class QuadraturePenalty(StaticContactView):
             assert made is not None  # it calls its contact
             return made.tangent.assemble()
 
+        master = self.master or self.obstacle
+        assert master is not None  # one of the two
         self._cpp_object = _cpp.penalty.QuadraturePenalty(
-            pair.name, V._cpp_object, self.slave, self.obstacle or self.master, parameters, bodies
+            pair.name, V._cpp_object, self.slave, master, parameters, bodies
         )
         self._totals = self._cpp_object.totals
         self._tell_of_penetration()

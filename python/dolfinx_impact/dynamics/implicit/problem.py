@@ -139,6 +139,7 @@ class NewmarkProblem(TransientProblem):
             with the same u exists; or materials with internal variables soften, or are on cells that lock.
     """
 
+    _cpp_object: _cpp.problems.NewmarkProblem
     _instead = "use save and restore, or make another one on a displacement function of its own"
 
     def __init__(
@@ -390,7 +391,7 @@ class NewmarkProblem(TransientProblem):
             values: energies, if they are known [F L].
         """
         if values is None:
-            values = dict(zip(ENERGIES, self._cpp_object.energies().tolist()))
+            values = dict(zip(ENERGIES, map(float, self._cpp_object.energies())))
         self._energy = {**values, "total": total_energy(values), "drift": self._history.drift(values)}
 
     # --- running ---------------------------------------------------------------------------------------------------

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: MIT
+# Written by `make stub` from cpp/bindings: not to be changed by hand.
+from collections.abc import Sequence
+from typing import Any, overload
+
+import dolfinx.cpp
+import numpy
+from numpy.typing import NDArray
+
+import dolfinx_impact._cpp
+
+class KinematicContact(NodeToSurface):
+    """Forces that correct a predicted step"""
+
+    @overload
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        friction: float = 0.0,
+        sweeps: int = 3,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.gap.Rigid,
+        friction: float = 0.0,
+        sweeps: int = 3,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+    ) -> None: ...
+    def correct(
+        self,
+        halo: dolfinx_impact._cpp.operators.Halo,
+        u: NDArray[numpy.float64],
+        du: NDArray[numpy.floating[Any]],
+        inverse_mass: NDArray[numpy.floating[Any]],
+        h: float,
+        dt: float,
+        f: NDArray[numpy.float64],
+        share: float = 1.0,
+    ) -> None:
+        """
+        Correct u and add the forces to f (views are changed); before the step nothing moved. Collective
+        """
+
+class NodalContact:
+    """Contact as the explicit integrator sees it"""
+
+    def saved_state(self) -> dolfinx_impact._cpp.state.State:
+        """What the next step starts from, values of its own"""
+
+    def resume(self, saved: dolfinx_impact._cpp.state.State) -> None:
+        """Go on from what saved_state has returned"""
+
+    def reset(self) -> None:
+        """All nodes become open, energies and histories those of the start"""
+
+class NodalPair:
+    """
+    Contact of a pair in an explicit problem: one direction, or both (balanced)
+    """
+
+    def __init__(self, directions: Sequence[NodalContact]) -> None:
+        """
+        The first direction has the slave of the pair, a second one has both surfaces exchanged
+        """
+
+    @property
+    def directions(self) -> list[NodeToSurface]: ...
+    @property
+    def force(self) -> NDArray[numpy.float64]:
+        """
+        Three components of the force on the slave in the last step, of this rank
+        """
+
+    def saved_states(self) -> list[dolfinx_impact._cpp.state.State]:
+        """What the next step starts from, of each direction"""
+
+    def resume(self, saved: Sequence[dolfinx_impact._cpp.state.State]) -> None:
+        """Go on from what saved_states has returned"""
+
+    def energy(self) -> dict[str, float]: ...
+
+class NodePenalty(NodeToSurface):
+    """Springs between slave nodes and the master"""
+
+    @overload
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        friction: float = 0.0,
+        penalty: float = 0.0,
+        kappa: float = 0.5,
+        share: float = 1.0,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+        by_step: bool = False,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.gap.Rigid,
+        friction: float = 0.0,
+        penalty: float = 0.0,
+        kappa: float = 0.5,
+        share: float = 1.0,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+        by_step: bool = False,
+    ) -> None: ...
+    def add_forces(
+        self,
+        halo: dolfinx_impact._cpp.operators.Halo,
+        u: NDArray[numpy.floating[Any]],
+        du: NDArray[numpy.floating[Any]],
+        inverse_mass: NDArray[numpy.floating[Any]],
+        dt: float,
+        f: NDArray[numpy.float64],
+        times: int = 1,
+    ) -> None:
+        """Add the forces to f (a view is changed); several times for timing"""
+
+class NodeToSurface(NodalContact):
+    """Slave nodes against a surface, step after step; all arrays are copies"""
+
+    def search(self, u: NDArray[numpy.floating[Any]], du: NDArray[numpy.floating[Any]]) -> None:
+        """
+        Find candidates; u: displacements of owned nodes, du: what they move in a step, or empty. Collective
+        """
+
+    @property
+    def remote_nodes(self) -> NDArray[numpy.int64]: ...
+    @property
+    def remote_owners(self) -> NDArray[numpy.int32]: ...
+    @property
+    def facet_length(self) -> float: ...
+    def too_deep(self, u: NDArray[numpy.floating[Any]]) -> int | None:
+        """
+        Nodes in a rigid master by more than half a facet; None: it is deformable
+        """
+
+    def number(self, halo: dolfinx_impact._cpp.operators.Halo, mass: NDArray[numpy.floating[Any]]) -> None:
+        """Take the numbers of nodes from a Halo. Collective"""
+
+    def used(
+        self,
+        halo: dolfinx_impact._cpp.operators.Halo,
+        u: NDArray[numpy.floating[Any]],
+        du: NDArray[numpy.floating[Any]],
+        inverse_mass: NDArray[numpy.floating[Any]],
+        dt: float,
+    ) -> float: ...
+    def update_gaps(self, halo: dolfinx_impact._cpp.operators.Halo, u: NDArray[numpy.floating[Any]]) -> None:
+        """Bring the gaps of open nodes up to date"""
+
+    def keep_normals(self, keep: bool) -> None:
+        """For tests of tests: judge facing by the normals of the last search"""
+
+    def set_obstacle(self, displacement: Sequence[float], increment: Sequence[float]) -> None: ...
+    @property
+    def nodes(self) -> NDArray[numpy.int32]: ...
+    @property
+    def X(self) -> NDArray[numpy.float64]: ...
+    @property
+    def areas(self) -> NDArray[numpy.float64]: ...
+    @property
+    def search_distance(self) -> float: ...
+    @property
+    def force(self) -> NDArray[numpy.float64]: ...
+    def results(self) -> dict[str, NDArray[Any]]: ...
+    def energy(self) -> dict[str, float]: ...
+    @property
+    def passage(self) -> tuple[int, float]:
+        """
+        Local number (-1: none) of the slave node that went through the master fastest, facets per step
+        """
+
+    def counters(self) -> dict[str, int]: ...
+
+def balanced_penalty(
+    V: dolfinx.cpp.fem.FunctionSpace_float64,
+    slave: dolfinx_impact._cpp.surface.Facets,
+    master: dolfinx_impact._cpp.surface.Facets,
+    friction: float = 0.0,
+    penalty: float = 0.0,
+    kappa: float = 0.5,
+    search_distance: float = 0.0,
+    axisymmetric: bool = False,
+    by_step: bool = False,
+) -> NodalPair:
+    """
+    Both directions of contact by penalty, each with half of the stiffness. Collective
+    """

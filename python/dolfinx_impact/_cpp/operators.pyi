@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: MIT
+# Written by `make stub` from cpp/bindings: not to be changed by hand.
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import dolfinx.cpp
+import numpy
+from numpy.typing import NDArray
+import petsc4py.PETSc
+
+class CellBounds:
+    """Bounds of the eigenvalues of cell matrices over the cells' masses"""
+
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        parts: Sequence[tuple[Integral, Mapping[str, dolfinx.cpp.fem.Function_float64], bool]],
+    ) -> None:
+        """parts: integral, functions by name, does it read any?"""
+
+    def set_constants(self, part: int, constants: NDArray[numpy.floating[Any]]) -> None: ...
+    @property
+    def joins_cells(self) -> bool: ...
+    def spectra(
+        self, masses: NDArray[numpy.floating[Any]], only: NDArray[numpy.bool_] | None, facets: bool
+    ) -> NDArray[numpy.float64]:
+        """
+        Lower bound, upper bound and norm of the skew part by owned cell. Collective
+        """
+
+class Halo:
+    """
+    Exchange of nodal values between ranks: owned nodes of an IndexMap, then its ghosts
+    """
+
+    def __init__(self, index_map: dolfinx.cpp.common.IndexMap) -> None:
+        """Collective"""
+
+    @property
+    def num_owned(self) -> int: ...
+    @property
+    def num_nodes(self) -> int: ...
+    def forward(self, values: NDArray[numpy.float64], bs: int) -> None:
+        """Owned values to their ghosts (a view is changed). Collective"""
+
+    def reverse(self, values: NDArray[numpy.float64], bs: int) -> None:
+        """Ghost values added to their owners' (a view is changed). Collective"""
+
+class Integral:
+    """A kernel, where it acts and its constants (copied)"""
+
+    def __init__(
+        self,
+        kernel: int,
+        entities: NDArray[numpy.integer[Any]],
+        constants: NDArray[numpy.floating[Any]],
+        history: PointHistory | None = None,
+    ) -> None:
+        """
+        history: internal variables of another operator on the same cells, to read only
+        """
+
+class InternalForce_float64:
+    """Matrix-free vector of a form of rank 1, value of a form of rank 0"""
+
+    def __init__(
+        self,
+        mesh: dolfinx.cpp.mesh.Mesh_float64,
+        test: dolfinx.cpp.fem.FunctionSpace_float64 | None,
+        integrals: Sequence[Integral],
+        coefficients: Mapping[str, dolfinx.cpp.fem.Function_float64],
+        width: int = 0,
+    ) -> None: ...
+    def assemble(self, b: NDArray[numpy.float64]) -> None:
+        """Add this rank's contributions to b (a view is changed)"""
+
+    def apply(self, b: dolfinx.cpp.la.Vector_float64) -> None:
+        """b = f, ghosts exchanged"""
+
+    def value(self) -> float: ...
+    def set_constants(self, arg0: int, arg1: NDArray[numpy.floating[Any]], /) -> None: ...
+    def history(self, integral: int) -> PointHistory:
+        """Internal variables of an integral, or None"""
+
+    def set_in_place(self, in_place: bool) -> None: ...
+    def sum(self, name: str) -> float:
+        """Of this rank's cells, in the last evaluation"""
+
+    def store_snapshot(self) -> None: ...
+    def restore_snapshot(self) -> None: ...
+    def commit(self) -> None: ...
+    def revert(self) -> None: ...
+    def has_history(self) -> bool: ...
+    def failures(self) -> tuple[int, int, int, float, list[float]]:
+        """
+        Points not solved in the last evaluation on this rank: number, then cell, point, relative residual and unknowns of the first
+        """
+
+    def fault(self) -> str:
+        """
+        Which local equations were not solved in the last evaluation. Collective
+        """
+
+    def width(self, integral: int = 0) -> int: ...
+    def repeat(self, b: NDArray[numpy.float64], times: int) -> None:
+        """Assemble several times in a row (for timing)"""
+
+    @property
+    def flops(self) -> float: ...
+
+class KernelTangent:
+    """Matrix of kernels and of a form of DOLFINx, made once"""
+
+    def __init__(
+        self,
+        test: dolfinx.cpp.fem.FunctionSpace_float64,
+        trial: dolfinx.cpp.fem.FunctionSpace_float64,
+        integrals: Sequence[Integral],
+        sources: Sequence[Sequence[Source]],
+        other: dolfinx.cpp.fem.Form_float64 | None,
+    ) -> None:
+        """
+        sources: of the coefficients of each integral, in the kernel's order. Collective
+        """
+
+    def assemble(self, bcs: Sequence[dolfinx.cpp.fem.DirichletBC_float64]) -> None:
+        """Rows and columns of bcs are zeroed. Collective"""
+
+    def set_constants(self, arg0: int, arg1: NDArray[numpy.floating[Any]], /) -> None: ...
+    @property
+    def matrix(self) -> petsc4py.PETSc.Mat: ...
+
+class PointHistory:
+    """Internal variables at the points of the cells of one integral"""
+
+    @property
+    def cells(self) -> NDArray[numpy.int32]: ...
+    @property
+    def num_points(self) -> int: ...
+    @property
+    def names(self) -> list[str]: ...
+    def num_components(self, arg: str, /) -> int: ...
+    def is_history(self, arg: str, /) -> bool: ...
+    def values(self, name: str, trial: bool = False) -> NDArray[numpy.float64]:
+        """
+        Flat array of shape (num_cells, num_points, num_components), in the order of `cells`
+        """
+
+    def set_values(self, name: str, values: NDArray[numpy.floating[Any]]) -> None:
+        """Replace committed values; the last evaluation is forgotten"""
+
+    def set_in_place(self, in_place: bool) -> None: ...
+    @property
+    def in_place(self) -> bool: ...
+    def store_snapshot(self) -> None: ...
+    def restore_snapshot(self) -> None: ...
+    def commit(self) -> None: ...
+    def revert(self) -> None: ...
+    @property
+    def memory(self) -> int:
+        """Bytes of all values"""
+
+class Source:
+    """Where a coefficient comes from: a function, a history, or neither"""
+
+    def __init__(self, function: dolfinx.cpp.fem.Function_float64 | None = None, field: str = "") -> None: ...
+
+def cell_masses_hrz(
+    mass: Integral,
+    V: dolfinx.cpp.fem.FunctionSpace_float64,
+    coefficients: Mapping[str, dolfinx.cpp.fem.Function_float64],
+) -> NDArray[numpy.float64]:
+    """HRZ-lumped mass by cell and local degree of freedom"""
+
+def cell_masses_nodal(
+    nodal: Integral,
+    row_sum: Integral,
+    V: dolfinx.cpp.fem.FunctionSpace_float64,
+    coefficients: Mapping[str, dolfinx.cpp.fem.Function_float64],
+) -> NDArray[numpy.float64]:
+    """Lumped mass of a nodal rule by cell and local degree of freedom"""
+
+def cell_spectra(
+    matrix: Integral,
+    V: dolfinx.cpp.fem.FunctionSpace_float64,
+    coefficients: Mapping[str, dolfinx.cpp.fem.Function_float64],
+    masses: NDArray[numpy.floating[Any]],
+) -> NDArray[numpy.float64]:
+    """
+    Smallest and largest eigenvalue of the lumped mass's inverse times the matrix, norm of the skew part, by cell
+    """
+
+direction_name: str = "direction of the tangent"
+
+def nodes_of_bodies(
+    V: dolfinx.cpp.fem.FunctionSpace_float64, nodes: NDArray[numpy.integer[Any]]
+) -> NDArray[numpy.int32]:
+    """
+    Nodes of the bodies that some nodes of any rank belong to, owned and ghosts. Collective
+    """
