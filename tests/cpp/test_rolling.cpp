@@ -210,7 +210,7 @@ TEST_CASE("rolling problems without friction, and calls that are refused", "[rol
   CHECK_THROWS_AS(problem.power_balance(), std::invalid_argument);
   problems::SolveEvents nested;
   nested.steps.accepted = [&](double) { problem.solve(); };
-  CHECK_THROWS_AS(problem.solve({}, nested), common::Failure);
+  CHECK_THROWS_AS(problem.solve({}, nested), dolfinx_impact::common::Failure);
   s.omega->value[0] = 50.0; // waves of shear travel around it with 1.4
   CHECK_THROWS_WITH(problem.solve(), ContainsSubstring("beyond the critical one"));
   CHECK(std::ranges::equal(s.u->x()->array(), before));

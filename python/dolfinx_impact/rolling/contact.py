@@ -41,8 +41,8 @@ class RollingContact(LagrangeContact):
     spec: RollingLagrange
     _cpp_object: _cpp.rolling.RollingContact
 
-    def _in_cpp(self, *given: Any) -> _cpp.rolling.RollingContact:
-        return _cpp.rolling.RollingContact(*given, self.spec.flow._cpp_object)
+    def _in_cpp(self, V: Any, slave: Any, master: Any, options: Any, fixed: Any) -> _cpp.rolling.RollingContact:
+        return _cpp.rolling.RollingContact(V, slave, master, options, fixed, self.spec.flow._cpp_object)
 
     @property
     def slip_velocity(self) -> FloatArray:

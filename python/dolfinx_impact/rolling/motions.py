@@ -138,7 +138,7 @@ class Spin(Fixed):
         """
         point = np.zeros(3)
         point[: len(self.point)] = self.point
-        return _cpp.rolling.Motion.spin(point.tolist(), self.axis.tolist(), rate._cpp_object, nodes)
+        return _cpp.rolling.Motion.spin(list(map(float, point)), list(map(float, self.axis)), rate._cpp_object, nodes)
 
 
 class Translation(Fixed):

@@ -98,9 +98,9 @@ class LagrangeContact(StaticContactView):
         self.nodes, self.gdim, self.fixed = self.geometry.nodes, gdim, self.geometry.fixed
         self._tell_of_penetration()
 
-    def _in_cpp(self, *given: Any) -> _cpp.multipliers.MortarContact:
+    def _in_cpp(self, V: Any, slave: Any, master: Any, options: Any, fixed: Any) -> _cpp.multipliers.MortarContact:
         """The contact in C++."""
-        return _cpp.multipliers.MortarContact(*given)
+        return _cpp.multipliers.MortarContact(V, slave, master, options, fixed)
 
     @functools.cached_property
     def _totals(self) -> _cpp.enforcement.ContactTotals:
