@@ -154,4 +154,28 @@ def commands(root):
     return _same("README.md, commands", re.findall(r"^    dolfinx-impact (\w+)", block, re.M), there)
 
 
-ALL = (demos, pages, stages, methods, kernels, levels, commands)
+def classes(root):
+    """Classes and headers in the tables of the developer's guide, where the guide says that they are."""
+    guide, cpp, complaints = _page(root, "docs/developer_guide.md"), pathlib.Path(root) / "cpp" / "dolfinx_impact", []
+    python = "".join(path.read_text() for path in (pathlib.Path(root) / "python/dolfinx_impact/dynamics").glob("*.py"))
+    for row in _table(guide, "class | does"):
+        complaints += [
+            f"docs/developer_guide.md: dynamics has no class {name}"
+            for name in re.findall(r"`(\w+)`", row[0])
+            if f"\nclass {name}" not in python
+        ]
+    for heading, folder in (
+        ("class of C++ | does", ""),
+        ("class of `search/node_tracker/` | owns", "search/node_tracker"),
+    ):
+        for row in _table(guide, heading):
+            for name in re.findall(r"`([\w/]+)`", row[0]):
+                # A second name of a row is in the folder of the first, or has its own.
+                folder, name = name.rpartition("/")[0] or folder, name.rpartition("/")[2]
+                headers = (cpp / folder).glob("*.h")
+                if not any(h.stem == name or re.search(rf"\b{name}\b[^;]*{{", h.read_text()) for h in headers):
+                    complaints.append(f"docs/developer_guide.md: {folder} has no {name}")
+    return complaints
+
+
+ALL = (demos, pages, stages, methods, kernels, levels, commands, classes)

@@ -63,6 +63,15 @@ def copy(checkout, tmp_path_factory):
         ),
         ("levels", "docs/verify.md", "| ranks |", "| rank |", "docs/verify.md: does not list ranks"),
         ("commands", "README.md", "    dolfinx-impact info ", "    dolfinx-impact inform ", "does not list info"),
+        ("classes", "docs/developer_guide.md", "| `CurrentState` |", "| `PresentState` |", "no class PresentState"),
+        (
+            "classes",
+            "docs/developer_guide.md",
+            "`StableStepWatch` |",
+            "`StepWatch` |",
+            "integrators has no StepWatch",
+        ),
+        ("classes", "docs/developer_guide.md", "`SkipBound` |", "`SkipLimit` |", "node_tracker has no SkipLimit"),
     ],
 )
 def test_rules_complain(rule, file, old, new, complaint, copy):
