@@ -40,7 +40,7 @@ def test_status_0_page_picture_and_json(folder, capsys):
         ("element", "mass", "triangle", 1)
     }
     page = (folder / "page" / "index.html").read_text()
-    assert "every row passed" in page and "<img src='differences.png'" in page
+    assert "every row passed" in page and '<img src="differences.png"' in page
     assert (folder / "page" / "differences.png").stat().st_size > 1000
     assert "all passed" in capsys.readouterr().out
 

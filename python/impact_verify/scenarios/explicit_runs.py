@@ -94,7 +94,7 @@ def disc(cell: str, degree: int, variation: RandomVariation = RandomVariation())
     methods: tuple[tuple[str, dict[str, Any]], ...]
     methods = (("penalty", {}), ("penalty", {"balanced": True}), ("kinematic", {}))
     for kind, options in methods:
-        body = disc_on_block(cell, degree, 8, variation)
+        body = disc_on_block(cell, degree, 8, variation.rotate_upper_body)
         name = f"disc on a block, {'balanced ' if options else ''}{kind}"
         yield Scenario(
             name, body, falling(0.03, 0.02), contact=kind, options=options, fixed_nodes=nodes_at_bottom(body)
@@ -113,7 +113,7 @@ def blocks(cell: str, degree: int, variation: RandomVariation = RandomVariation(
         Runs.
     """
     for kind, law in (("penalty", "neo_hookean"), ("kinematic", "linear_elastic")):
-        body = round_block_on_block(cell, degree, ((4, 3, 2), (3, 2, 2)), law, variation)
+        body = round_block_on_block(cell, degree, ((4, 3, 2), (3, 2, 2)), law, variation.rotate_upper_body)
         name = f"block on a block, {law.replace('_', '-')}, {kind}"
         yield Scenario(name, body, falling(0.05, 0.03), contact=kind)
 

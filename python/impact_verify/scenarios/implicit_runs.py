@@ -137,7 +137,7 @@ def disc(cell: str, degree: int, variation: RandomVariation = RandomVariation())
         Runs.
     """
     for kind, lumping in (("penalty", None), ("lagrange", None), ("lagrange", "auto")):
-        body = disc_on_block(cell, degree, 6, variation)
+        body = disc_on_block(cell, degree, 6, variation.rotate_upper_body)
         name = f"disc on a block, {kind}{', lumped' if lumping else ''}"
         scheme = Implicit({"rho_inf": 0.8}, lumping, dt=0.04)
         yield Scenario(name, body, falling(0.03, 0.02), scheme, kind, fixed_nodes=nodes_at_bottom(body))
@@ -156,7 +156,7 @@ def blocks(cell: str, degree: int, variation: RandomVariation = RandomVariation(
     """
     methods = (("penalty", "neo_hookean"), ("lagrange", "linear_elastic"))
     for kind, law in methods if cell == "hexahedron" else methods[:1]:
-        body = round_block_on_block(cell, degree, ((3, 2, 2), (2, 2, 2)), law, variation)
+        body = round_block_on_block(cell, degree, ((3, 2, 2), (2, 2, 2)), law, variation.rotate_upper_body)
         name = f"block on a block, {law.replace('_', '-')}, {kind}"
         yield Scenario(name, body, falling(0.05, 0.03), Implicit({"rho_inf": 0.7}), kind)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Bodies of scenarios: one that stands or flies alone, one and a rigid obstacle, two that are about to meet."""
 
+from collections.abc import Callable
 from typing import Any
 
 import impact_reference
@@ -146,26 +147,30 @@ def face_tags(domain: Mesh, height: float) -> MeshTags:
     return mesh.meshtags(domain, dim - 1, both[order], values[order])
 
 
-def disc_on_block(cell: str, degree: int, cells: int, variation: Any) -> TwoBodies:
+def disc_on_block(cell: str, degree: int, cells: int, rotate: Callable[[Mesh], None]) -> TwoBodies:
     """A disc above a block, with friction.
 
     Args:
         cell: cell.
         degree: degree of the displacement, 1 or 2.
         cells: cells across the disc.
-        variation: RandomVariation of the mesh.
+        rotate: function that rotates the upper body of the mesh, RandomVariation.rotate_upper_body.
     """
     domain, tags = two_bodies(cell, (9, 4), (cells, cells), start=(0.2,), length=(0.5,))
     x, upper = domain.geometry.x, open_gap(domain, 0.0)
     a, b = (x[upper, 0] - 0.45) / 0.25, (x[upper, 1] - 1.25) / 0.25
     x[upper, 0] = 0.45 + 0.25 * a * np.sqrt(1 - b**2 / 2)
     x[upper, 1] = 1.252 + 0.25 * b * np.sqrt(1 - a**2 / 2)
-    variation.rotate_upper_body(domain)
+    rotate(domain)
     return body_of(domain, tags, degree, "plane_strain", friction=0.3)
 
 
 def round_block_on_block(
-    cell: str, degree: int, cells: tuple[tuple[int, ...], tuple[int, ...]], law: str, variation: Any
+    cell: str,
+    degree: int,
+    cells: tuple[tuple[int, ...], tuple[int, ...]],
+    law: str,
+    rotate: Callable[[Mesh], None],
 ) -> TwoBodies:
     """A block that is round below, above another one in space, with friction.
 
@@ -174,12 +179,12 @@ def round_block_on_block(
         degree: degree of the displacement, 1 or 2.
         cells: cells along the sides of the lower and of the upper body.
         law: name of the law.
-        variation: RandomVariation of the mesh.
+        rotate: function that rotates the upper body of the mesh, RandomVariation.rotate_upper_body.
     """
     domain, tags = two_bodies(cell, *cells, start=(0.17, 0.13))
     x, upper = domain.geometry.x, open_gap(domain, GAP)
     x[upper, 2] += 0.1 * ((x[upper, :2] - 0.5) ** 2).sum(axis=1)  # round below
-    variation.rotate_upper_body(domain)
+    rotate(domain)
     return body_of(domain, tags, degree, "3d", law, friction=0.2)
 
 
