@@ -21,11 +21,10 @@ from dolfinx_impact.forms import quadrature
 from dolfinx_impact.plasticity import J2Plasticity
 from dolfinx_impact.statics.problem import StaticProblem
 from . import bodies
-from .history import REASON as HISTORY_REASON
-from .history import TOLERANCE as HISTORY_TOLERANCE
 from .material import CASES, Case
 from .nodes import TheirRule
 from .report import Report
+from .scenarios.scenario import ACCURACY, Explicit
 from .solution import REASON, TOLERANCE, _tags
 
 E, NU, Y = 2.0, 0.3, 0.01
@@ -196,7 +195,7 @@ def impact(report: Report, *arguments: Any) -> None:
         "velocity": (np.array([s[1] for s in states]), other.v[:, body.order]),
     }
     energies = problem.energy_history[:, 1:].T
-    size = float(energies[0].max())
+    size, accuracy = float(energies[0].max()), ACCURACY[Explicit]
     for k, name in enumerate(ENERGIES):
         if name in ("kinetic", "internal", "plastic"):
             pairs[f"{name} energy"] = (energies[k], other.energies[name][: energies.shape[1]])
@@ -204,7 +203,7 @@ def impact(report: Report, *arguments: Any) -> None:
         scale = size if what.endswith("energy") else float(np.abs(b).max())
         difference = float(np.abs(a - b).max()) / scale if a.shape == b.shape else np.inf
         name = f"{what} of the yielding block, {100 * energies[7, -1] / size:.0f} % dissipated"
-        report.add("history", both.form, *both.element, difference, HISTORY_TOLERANCE, HISTORY_REASON, name)
+        report.add("history", both.form, *both.element, difference, accuracy.tolerance, accuracy.reason, name)
 
 
 def solution_rows(report: Report) -> None:

@@ -18,7 +18,6 @@ from . import (
     element,
     history,
     html,
-    implicit,
     junit,
     material,
     order,
@@ -28,6 +27,7 @@ from . import (
     solution,
     spectrum,
     user_form,
+    yielding_runs,
 )
 from . import operator as operator_level
 from .model_warnings import model_warnings_off
@@ -132,7 +132,8 @@ def _run_bodies(report: Report, levels: Collection[str], progress: bool = True, 
             plastic_bodies.solution_rows(report)
         elif level == "history":
             plastic_bodies.history_rows(report)
-            implicit.run(report)
+            history.run_implicit(report)
+            yielding_runs.run(report)
 
 
 def _check(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:

@@ -10,32 +10,35 @@ import numpy as np
 
 from impact_verify import history
 from impact_verify.report import Report
+from impact_verify.scenarios import explicit_runs, our_adapter
 
 STEPS = 60
 
 
 def runs(cells):
     """Bodies without contact, with every law, scheme and damping; blocks thrown over an edge, also in a variation."""
-    for cell, degree, make in history.RUNS:
-        if cell in cells and make in (history.without_contact, history.overhang):
+    for cell, degree, make in explicit_runs.RUNS:
+        if cell in cells and make in (explicit_runs.without_contact, explicit_runs.overhang):
             yield from make(cell, degree)
-            if (make, degree) == (history.overhang, 1):
-                yield from history.varied_runs(cell, degree, make, (4,))
+            if (make, degree) == (explicit_runs.overhang, 1):
+                yield from explicit_runs.varied_runs(cell, degree, make, (4,))
 
 
 def results(cells):
     """Stable steps, motion, contact forces and energies on our side; stops where the hand-written side differs."""
-    out, report, ours = {}, Report(), history.ours
+    out, report = {}, Report()
     for case in runs(cells):
-        problem, dt, (u, v) = answer = ours(case, STEPS)
-        history.ours = lambda *_: answer
+        problem = our_adapter.problem_of(case)
+        dt = our_adapter.time_step(case, problem)
+        record = our_adapter.record_of(problem, dt, STEPS)
+        our_adapter.run = lambda *_: record
         history.compare(report, case, STEPS)
         # By place: which node has which number is no result.
         order = np.lexsort(case.body.V.tabulate_dof_coordinates().round(6).T)
         key = f"{case.body.cell} {case.body.degree}, {case.name}"
         out["width"] = problem._bodies.internal._parts[0].width
         out[f"{key}: step"] = dt
-        out[f"{key}: displacement"] = u[-1].reshape(len(order), -1)[order]
+        out[f"{key}: displacement"] = record.fields["displacement"][-1].reshape(len(order), -1)[order]
         out[f"{key}: energies"] = problem.energy_history[:, 1:]
         if case.contact:
             out[f"{key}: contact force"] = problem.force_history[0]

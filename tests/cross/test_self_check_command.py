@@ -69,7 +69,7 @@ def test_status_0_and_what_is_written(folder, capsys):
     root = ET.parse(folder / "out" / "o.xml").getroot()
     assert (root.get("tests"), root.get("failures")) == (str(len(rows)), "0")
     page = (folder / "page" / "index.html").read_text()
-    assert "every check that applies passed" in page and "<img src='rubber_on_triangles_of_degree_1.png'" in page
+    assert "every check that applies passed" in page and '<img src="rubber_on_triangles_of_degree_1.png"' in page
     assert (folder / "page" / "rubber_on_triangles_of_degree_1.png").read_bytes().startswith(b"\x89PNG")
     assert "all passed" in capsys.readouterr().out
 

@@ -6,31 +6,40 @@ import itertools
 
 import numpy as np
 import pytest
+import scenario_faults
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.dynamics import explicit_bodies
-from impact_verify import cross_check, history, implicit
+from impact_verify import cross_check, history, yielding_runs
+from impact_verify.contact_bodies import SLAVE
 from impact_verify.report import Report
+from impact_verify.scenarios import explicit_runs
+from impact_verify.scenarios import scenario as scenarios
 
 STEPS = 150  # a fault shows soon
 
 
 def cases(cell, degree):
-    return itertools.chain.from_iterable(make(cell, degree) for c, d, make in history.RUNS if (c, d) == (cell, degree))
+    return itertools.chain.from_iterable(
+        make(cell, degree) for c, d, make in explicit_runs.RUNS if (c, d) == (cell, degree)
+    )
 
 
 def case_of(cell, name):
     return next(case for case in cases(cell, 1) if case.name == name)
 
 
-@pytest.mark.parametrize("steps", (2 * STEPS // 3, pytest.param(history.STEPS, marks=pytest.mark.slow)))
+@pytest.mark.parametrize(
+    "steps", (2 * STEPS // 3, pytest.param(scenarios.STEPS[scenarios.Explicit], marks=pytest.mark.slow))
+)
 def test_rows_of_a_cell_pass(steps, monkeypatch):
     """Bars, a disc that comes to roll, rigid masters, bodies without contact; both kinds of contact."""
-    monkeypatch.setattr(implicit, "run", lambda report: None)  # test_verify_implicit.py
+    monkeypatch.setattr(history, "run_implicit", lambda report: None)  # test_verify_implicit.py
+    monkeypatch.setattr(yielding_runs, "run", lambda report: None)
     right = history.compare
-    monkeypatch.setattr(history, "compare", lambda r, case, most=history.STEPS: right(r, case, min(most, steps)))
+    monkeypatch.setattr(history, "compare", lambda r, case: right(r, case, min(case.num_steps, steps)))
     report = cross_check(cells=["quadrilateral"], degrees=[1], levels=["history"])
     assert report.passed and len(report.rows) > 100
     kinds = {row.form for row in report.rows}
@@ -60,13 +69,13 @@ def test_rows_in_space_pass(steps, cell):
 def compare_varied_runs(runs, seeds=None):
     report = Report()
     for cell, degree, make in runs:
-        for case in history.varied_runs(cell, degree, make, seeds):
-            history.compare(report, case, history.VARIATION_STEPS[case.body.gdim, degree])
+        for case in explicit_runs.varied_runs(cell, degree, make, seeds):
+            history.compare(report, case)
     return report
 
 
-PLANE = [run for run in history.RUNS if run[0] == "quadrilateral"]
-SPACE = [run for run in history.RUNS if run[0] in ("hexahedron", "tetrahedron")]
+PLANE = [run for run in explicit_runs.RUNS if run[0] == "quadrilateral"]
+SPACE = [run for run in explicit_runs.RUNS if run[0] in ("hexahedron", "tetrahedron")]
 
 
 def test_variations_in_the_plane_pass():
@@ -76,7 +85,7 @@ def test_variations_in_the_plane_pass():
 
 
 def test_a_variation_in_space_passes():
-    report = compare_varied_runs([("hexahedron", 1, history.overhang)], [11])
+    report = compare_varied_runs([("hexahedron", 1, explicit_runs.overhang)], [11])
     assert report.passed and len(report.rows) > 10
 
 
@@ -90,7 +99,7 @@ def test_many_variations_pass():
 def test_variations_differ():
     """Step, rotation and velocities differ between seeds; the same seed gives the same variation."""
     first, second, again = (
-        next(iter(history.varied_runs("quadrilateral", 1, history.overhang, [seed]))) for seed in (1, 2, 1)
+        next(iter(explicit_runs.varied_runs("quadrilateral", 1, explicit_runs.overhang, [seed]))) for seed in (1, 2, 1)
     )
     places = [case.body.V.tabulate_dof_coordinates()[:, :2] for case in (first, second, again)]
     velocities = [case.velocity(x) for case, x in zip((first, second, again), places)]
@@ -122,25 +131,16 @@ def test_facing_by_the_normals_of_the_last_search_is_seen(cell, monkeypatch):
 
     monkeypatch.setattr(NodalPair, "__init__", keep)
     try:
-        report = compare_varied_runs([(cell, 1, history.overhang)])
+        report = compare_varied_runs([(cell, 1, explicit_runs.overhang)])
     except RuntimeError as error:  # springs that are pressed from nowhere bring energy
         assert "unstable" in str(error)
     else:
         assert {"contact force", "displacement"} <= {row.name.split(" of the ")[0] for row in report.failures()}
 
 
-def failed(case, monkeypatch=None, change=None, **changes):
+def failed(case, **changes):
     """What a comparison sees when one side runs a changed case."""
-    mine, ours = copy.copy(case), history.ours
-    for name, value in changes.items():
-        setattr(mine, name, value)
-    report = Report()
-    try:
-        history.ours = lambda _, steps: ours(mine, steps)
-        history.compare(report, case, STEPS)
-    finally:
-        history.ours = ours
-    return {row.name.split(" of the ")[0] for row in report.rows if not row.passed}
+    return scenario_faults.failed(case, STEPS, **changes)
 
 
 SMALL = 1 + 1e-6
@@ -157,7 +157,7 @@ def tilted(x):
         ("quadrilateral", "shaken", {"damping": (1e-6, 0.0)}, {"displacement", "velocity", "damping energy"}),
         ("quadrilateral", "damped, linear-elastic", {"damping": (0.1, 0.004 * SMALL)}, {"displacement"}),
         ("quadrilateral", "damped, neo-hookean", {"damping": (0.1 * SMALL, 0.004)}, {"velocity"}),
-        ("quadrilateral", "classical scheme, damped", {"scheme": "half_step"}, {"displacement", "velocity"}),
+        ("quadrilateral", "classical scheme, damped", {"velocities": "half_step"}, {"displacement", "velocity"}),
         ("quadrilateral", "viscous, linear-elastic", {"viscosity": (0.06 * SMALL, 1.2)}, {"viscosity energy"}),
         ("quadrilateral", "viscous, neo-hookean", {"viscosity": (0.06, 1.2 * SMALL)}, {"displacement"}),
         (
@@ -222,7 +222,7 @@ def test_springs_in_the_damping_by_stiffness_are_seen(monkeypatch):
     right = explicit_bodies.stiffness_damping
 
     def wrong(u, velocity, v, material, beta):
-        springs = case.body.tags, history.SLAVE, case.foundation[0]
+        springs = case.body.tags, SLAVE, case.foundation[0]
         return right(u, velocity, v, material, beta) + beta * di.Foundation(*springs).springs(velocity, v)
 
     case = case_of("quadrilateral", ON_DASHPOTS)

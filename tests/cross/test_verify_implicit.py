@@ -7,6 +7,7 @@ import itertools
 
 import numpy as np
 import pytest
+import scenario_faults
 from fault_injection import commit_at_once
 
 from dolfinx_impact._cpp.integrators import ImplicitScheme
@@ -16,8 +17,10 @@ from dolfinx_impact.assembly.consistent_mass import ConsistentMass
 from dolfinx_impact.dynamics.implicit import problem as implicit_problem
 from dolfinx_impact.dynamics.implicit.damping import DampingForce
 from dolfinx_impact.dynamics.implicit.mass_redistribution import MassRedistribution
-from impact_verify import cross_check, history, implicit
+from impact_verify import cross_check, history, yielding_runs
 from impact_verify.report import Report
+from impact_verify.scenarios import implicit_runs as implicit
+from impact_verify.scenarios import our_adapter
 
 STEPS = 60  # a fault shows soon
 SMALL = 1 + 1e-6
@@ -35,22 +38,13 @@ def case_of(name):
 
 def report_of(case, steps=STEPS):
     report = Report()
-    implicit.compare(report, case, steps)
+    history.compare(report, case, steps)
     return report
 
 
-def failed(case, steps=STEPS, **changes):
+def failed(case, **changes):
     """What a comparison sees when our side runs a changed case."""
-    mine, ours = copy.copy(case), implicit.ours
-    for name, value in changes.items():
-        setattr(mine, name, value)
-    report = Report()
-    try:
-        implicit.ours = lambda _, steps: ours(mine, steps)
-        implicit.compare(report, case, steps)
-    finally:
-        implicit.ours = ours
-    return {row.name.split(" of the ")[0] for row in report.rows if not row.passed}
+    return scenario_faults.failed(case, STEPS, **changes)
 
 
 @pytest.mark.long_rows(where=lambda make: make is implicit.without_contact)
@@ -68,18 +62,19 @@ def test_rows_pass(make):
 @pytest.mark.slow
 def test_rows_of_other_cells_pass():
     report = Report()
-    implicit.compare(report, next(iter(implicit.without_contact("tetrahedron", 2))), 30)
+    history.compare(report, next(iter(implicit.without_contact("tetrahedron", 2))), 30)
     for case in implicit.blocks("hexahedron", 1):
-        implicit.compare(report, case, 8)
+        history.compare(report, case, 8)
     for case in implicit.varied_runs("triangle", 1, implicit.bars, (7,)):  # a variation that the level has not
-        implicit.compare(report, case, 100)
+        history.compare(report, case, 100)
     assert report.passed and len(report.rows) > 25
 
 
 @pytest.mark.slow
 def test_all_rows_pass():
     report = Report()
-    implicit.run(report)
+    history.run_implicit(report)
+    yielding_runs.run(report)
     assert report.passed and len(report.rows) > 250
 
 
@@ -88,13 +83,15 @@ def test_runs_belong_to_the_level(monkeypatch):
     called = []
     monkeypatch.setattr(history, "run", lambda *a: None)
     monkeypatch.setattr("impact_verify.plastic_bodies.history_rows", lambda *a: None)
-    monkeypatch.setattr(implicit, "run", called.append)
-    assert cross_check(levels=["history"]) is called[0]
+    monkeypatch.setattr(history, "run_implicit", called.append)
+    monkeypatch.setattr(yielding_runs, "run", called.append)
+    report = cross_check(levels=["history"])
+    assert len(called) == 2 and called[0] is called[1] is report
 
 
 def yielding(steps=STEPS):
     report = Report()
-    implicit.compare_yielding(report, *implicit.YIELDING[0], steps=steps)
+    yielding_runs.compare(report, *yielding_runs.YIELDING[0], steps=steps)
     return report
 
 
@@ -244,13 +241,9 @@ def test_another_friction_is_seen(method):
     assert {"contact force", "friction energy"} <= failed(case, body=changed)
 
 
-def test_another_number_of_steps_is_seen():
+def test_another_number_of_steps_is_seen(monkeypatch):
     """A step that our side cuts in half does not go unnoticed."""
-    case, ours = case_of("shaken block"), implicit.ours
-    report = Report()
-    try:
-        implicit.ours = lambda case, steps: ours(case, steps + 1)
-        implicit.compare(report, case, 5)
-    finally:
-        implicit.ours = ours
+    ours, report = our_adapter.run, Report()
+    monkeypatch.setattr(our_adapter, "run", lambda case, steps: ours(case, steps + 1))
+    history.compare(report, case_of("shaken block"), 5)
     assert not any(row.passed for row in report.rows) and "steps" in report.rows[0].note

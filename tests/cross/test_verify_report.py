@@ -103,7 +103,7 @@ def test_the_page_lists_the_failing_rows_and_shows_the_picture(tmp_path):
     bad, rest = page.split("Rows that failed")[1].split("Worst case of each form")
     assert bad.count('class="fail"') == 2 and "nan" in bad and "2.50e-01" in bad and bad.count("node 3") == 2
     assert "2 rows failed" in page and "every row passed" not in page
-    assert "src='differences.png'" in page and (tmp_path / "differences.png").read_bytes().startswith(b"\x89PNG")
+    assert 'src="differences.png"' in page and (tmp_path / "differences.png").read_bytes().startswith(b"\x89PNG")
 
 
 def test_the_page_of_a_run_without_failures_says_so(tmp_path):

@@ -7,18 +7,18 @@ import pytest
 from dolfinx import fem
 
 import dolfinx_impact as di
-from impact_verify import history
 from impact_verify.contact_bodies import SLAVE
+from impact_verify.scenarios import explicit_runs
 
 PENALTY = 300.0  # of E/h some 30: the springs make the highest frequency
 NAMES = [
-    (history.bars, "triangle", 1, "two bars, 3 rows, penalty"),
-    (history.bars, "quadrilateral", 2, "two bars, 1 rows, penalty"),
-    (history.disc, "quadrilateral", 1, "disc on a block, penalty"),
-    (history.disc, "quadrilateral", 1, "disc on a block, balanced penalty"),
-    (history.blocks, "tetrahedron", 1, "block on a block, neo-hookean, penalty"),
-    (history.rigid, "quadrilateral", 1, "ring on a rigid plane, penalty"),
-    (history.rigid, "quadrilateral", 1, "block under a rigid cylinder that moves, penalty"),
+    (explicit_runs.bars, "triangle", 1, "two bars, 3 rows, penalty"),
+    (explicit_runs.bars, "quadrilateral", 2, "two bars, 1 rows, penalty"),
+    (explicit_runs.disc, "quadrilateral", 1, "disc on a block, penalty"),
+    (explicit_runs.disc, "quadrilateral", 1, "disc on a block, balanced penalty"),
+    (explicit_runs.blocks, "tetrahedron", 1, "block on a block, neo-hookean, penalty"),
+    (explicit_runs.rigid, "quadrilateral", 1, "ring on a rigid plane, penalty"),
+    (explicit_runs.rigid, "quadrilateral", 1, "block under a rigid cylinder that moves, penalty"),
 ]
 
 

@@ -12,10 +12,12 @@ import pytest
 from dolfinx import mesh
 from scipy.spatial import cKDTree
 
-from impact_verify import history, implicit
 from impact_verify.contact_bodies import MASTER, SLAVE
+from impact_verify.scenarios import explicit_runs, implicit_runs
+from impact_verify.scenarios.our_adapter import time_step
+from impact_verify.scenarios.placed_bodies import upper_nodes
 
-LEVELS = {"explicit": history, "implicit": implicit}
+LEVELS = {"explicit": explicit_runs, "implicit": implicit_runs}
 TIMES = 60  # at which nodes are looked at
 
 
@@ -36,17 +38,15 @@ def every_run(level, seeds=None):
 def run_time(level, case):
     """Least time that a run takes. The stable step is at least 0.9 (degree 2: 0.4) of the shortest distance of a cell's
     nodes over the speed of a wave and root of dim, for its direction: of these cells it is 1.02 to 1.9 times that."""
-    if level is implicit:
-        steps = implicit.VARIATION_STEPS[case.body.gdim] if "variation" in case.name else implicit.STEPS
-        return steps * implicit.time_step(case)
-    steps = history.VARIATION_STEPS[case.body.gdim, case.body.degree] if "variation" in case.name else history.STEPS
+    if level is implicit_runs:
+        return case.num_steps * time_step(case)
     geometry = case.body.mesh.geometry
     nodes = geometry.x[geometry.dofmap]
     i, j = np.triu_indices(nodes.shape[1], 1)
     shortest = np.linalg.norm(nodes[:, i] - nodes[:, j], axis=2).min()
     wave_speed = np.sqrt(0.7 / (1.3 * 0.4))  # E = 1, density 1, nu = 0.3 at most
     factor = {1: 0.9, 2: 0.4}[case.body.degree]
-    return steps * case.step_fraction * factor * shortest / (wave_speed * np.sqrt(case.body.gdim))
+    return case.num_steps * case.step_fraction * factor * shortest / (wave_speed * np.sqrt(case.body.gdim))
 
 
 def simplices(case, tag):
@@ -110,14 +110,14 @@ def test_every_run_touches(name):
 
 def test_a_body_that_misses_is_seen():
     """Also one that passes beside the other body, below its surface; and each run by itself, upwards."""
-    for cell, degree, make in (("hexahedron", 1, history.smooth_hill), ("quadrilateral", 1, history.rigid)):
+    for cell, degree, make in (("hexahedron", 1, explicit_runs.smooth_hill), ("quadrilateral", 1, explicit_runs.rigid)):
         case = next(iter(make(cell, degree)))
-        time, velocity = run_time(history, case), case.velocity
+        time, velocity = run_time(explicit_runs, case), case.velocity
         assert first_touch(case, time) < time
         case.velocity = lambda x: -velocity(x)
         assert first_touch(case, time) == np.inf
-    case = next(iter(history.overhang("quadrilateral", 1)))
+    case = next(iter(explicit_runs.overhang("quadrilateral", 1)))
     velocity, x = case.velocity, case.body.mesh.geometry.x
-    x[history._upper_nodes(case.body.mesh), 0] += 0.4
+    x[upper_nodes(case.body.mesh), 0] += 0.4
     case.velocity = lambda x: velocity(x) * [0.0, 1.0]
-    assert first_touch(case, run_time(history, case)) == np.inf
+    assert first_touch(case, run_time(explicit_runs, case)) == np.inf

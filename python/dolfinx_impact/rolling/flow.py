@@ -21,8 +21,8 @@ from .motions import Spin, Translation
 
 
 class Flow:
-    """Forces of inertia of bodies whose material moves steadily, as a load: their derivative is W. Load steps run through
-    the rates in C++ (rolling::Flow).
+    """Forces of inertia of bodies whose material moves steadily, as a load: their derivative is W. Load steps run
+    through the rates, which rolling::Flow in C++ has, too.
 
     Args:
         u: displacement function [L].

@@ -353,7 +353,6 @@ class RollingProblem(Unique):
         problem.arguments = own | problem.arguments
         return sweep.run(comm, points, solve, file, progress, problem, kept, begin_from)
 
-
     def _fingerprint(self, options: dict[str, Any]) -> Fingerprint:
         """What tells the points of another problem. Collective.
 

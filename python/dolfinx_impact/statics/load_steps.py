@@ -13,7 +13,6 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..common.interrupts import Interrupts
-from ..common.types import FloatArray
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
@@ -116,23 +115,6 @@ class StepLog:
         self(f"  iteration {i:2d}: residual {norm:.3e} (relative {relative}), {size} in contact, {changes} changed")
 
 
-class IncrementSolver(Protocol):
-    """A solver of increments that is not the problem's own."""
-
-    @property
-    def seconds(self) -> dict[str, float]:
-        """Time by part [s]."""
-
-    def run(self, target: FloatArray, log: StepLog) -> _cpp.solve.Increment:
-        """Solve from the present u to prescribed values. Collective.
-
-        Args:
-            target: displacements over all degrees of freedom, of which only prescribed entries are used [L].
-            log: log of the iterations.
-        """
-        ...
-
-
 #: A `solve` of C++: of StaticProblem, or of a problem that has one.
 SolveInCpp = Callable[..., _cpp.solve.LoadStepReport]
 
@@ -212,31 +194,7 @@ def run_steps(
         limits.steps, limits.rtol, limits.atol, limits.max_iterations, limits.cut_backs, log=log,
         progress=log.progress.show, iteration=iteration, begins=log.progress.begin, accepted=accepted,
     )  # fmt: skip
-    return _report(problem, found, found.seconds, log)
-
-
-def run_steps_by(problem: LoadedProblem, solver: IncrementSolver, steps: int, cut_backs: int, verbose: bool) -> Report:
-    """Solve all increments of a load step by another solver than the problem's own. Collective.
-
-    Args:
-        problem: loads, supports and contacts.
-        solver: solver of an increment.
-        steps: number of equal increments [1].
-        cut_backs: largest number of times that the increment is halved [1].
-        verbose: whether iterations are printed on the terminal.
-
-    Returns:
-        Report.
-
-    Raises:
-        RuntimeError: an increment did not converge; the problem is in its last converged state.
-    """
-    log = StepLog(problem.space.mesh.comm, verbose)
-    accepted = _begin(problem)
-    found = problem._cpp_object.solve_by(
-        lambda goal: solver.run(goal, log), steps, cut_backs, log, log.progress.begin, accepted
-    )
-    return _report(problem, found, solver.seconds, log)
+    return _report(problem, found, log)
 
 
 def _begin(problem: LoadedProblem) -> Callable[[float], None]:
@@ -259,16 +217,14 @@ def _begin(problem: LoadedProblem) -> Callable[[float], None]:
     return accepted
 
 
-def _report(
-    problem: LoadedProblem, found: _cpp.solve.LoadStepReport, seconds: dict[str, float], log: StepLog
-) -> Report:
+def _report(problem: LoadedProblem, found: _cpp.solve.LoadStepReport, log: StepLog) -> Report:
     """What a solve has found, for users; warns of contacts that were lost."""
     if found.lost and problem.space.mesh.comm.rank == 0:
         LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
     report = Report(
         iterations=found.iterations, residual_norms=found.residual_norms, active_set_sizes=found.active_set_sizes,
         contact_changes=found.contact_changes, fractions=found.fractions, cut_backs=found.cut_backs,
-        rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=seconds,
+        rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=found.seconds,
     )  # fmt: skip
     log(report.table())
     return report

@@ -4,25 +4,17 @@
 from __future__ import annotations
 
 import base64
-import html
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from dolfinx_impact.io.hdf5 import write_whole
+from dolfinx_impact.io.html_page import write_page
 from dolfinx_impact.io.run_folder import versions
 from .parameters import RailJoint
 from .results import SLOW, Summary
-
-STYLE = """
-body { font-family: sans-serif; max-width: 60rem; margin: 2rem auto; color: #222; line-height: 1.45; padding: 0 1rem; }
-h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid #ddd; }
-table { border-collapse: collapse; margin: .6rem 0; } td, th { padding: .15rem .8rem .15rem 0; text-align: left;
-vertical-align: top; } td.number { text-align: right; font-variant-numeric: tabular-nums; }
-figure { margin: 1.2rem 0; } img { max-width: 100%; } figcaption { color: #555; font-size: .92rem; }
-.wide { overflow-x: auto; }
-"""
 
 
 def rows_of(data: RailJoint, summary: Summary) -> list[tuple[str, str, str]]:
@@ -92,20 +84,18 @@ def text_table(rows: Sequence[tuple[str, str, str]]) -> str:
     return "\n".join(f"  {what:{width}s}  {value} {unit}".rstrip() for what, value, unit in rows)
 
 
-def _picture(path: Path, caption: str) -> str:
+@dataclass
+class Picture:
+    """A picture inside the file: its kind, its bytes in base 64, its caption."""
+
+    kind: str
+    content: str
+    caption: str
+
+
+def _picture(path: Path, caption: str) -> Picture:
     kind = "gif" if path.suffix == ".gif" else "png"
-    data = base64.b64encode(path.read_bytes()).decode("ascii")
-    text = html.escape(caption)
-    return f'<figure><img alt="{text}" src="data:image/{kind};base64,{data}"><figcaption>{text}</figcaption></figure>'
-
-
-def _table(rows: Sequence[Sequence[str]]) -> str:
-    body = "".join(
-        "<tr>" + "".join(f'<td{" class=number" if k else ""}>{html.escape(cell)}</td>' for k, cell in enumerate(row))
-        + "</tr>"
-        for row in rows
-    )  # fmt: skip
-    return f'<div class="wide"><table>{body}</table></div>'
+    return Picture(kind, base64.b64encode(path.read_bytes()).decode("ascii"), caption)
 
 
 def write(
@@ -132,33 +122,20 @@ def write(
         number = f"{value:.6g}" if isinstance(value, float) else str(value) if value != () else "none"
         unit = data.unit_of(name) if value != () else ""
         parameters.append((f"{name}: {data.what_of(name)}", f"{number} {unit}" if unit not in ("", "1") else number))
-    several = ""
+    several: list[tuple[str, ...]] = []
     if len(passes) > 1:
-        head = ("pass", "largest force / load", "plastic strain [%]", "largest pressure [MPa]")
-        rows = [
+        several = [("pass", "largest force / load", "plastic strain [%]", "largest pressure [MPa]")]
+        several += [
             (str(k + 1), f"{p['dynamic_factor']:.3f}", f"{100 * p['plastic_strain']:.4f}",
              "" if p["peak_pressure"] is None else f"{p['peak_pressure'] / 1e6:.0f}")
             for k, p in enumerate(passes)
         ]  # fmt: skip
-        several = "<h2>Passages</h2>" + _table([head, *rows])
-    title = f"Insulated rail joint: {data.end_post} end post of {1e3 * data.gap:.0f} mm, {3.6 * data.speed:.0f} km/h"
-    stages = [(name, f"{value:.1f} s") for name, value in seconds.items()]
-    text = f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title><style>{STYLE}</style></head><body>
-<h1>{html.escape(title)}</h1>
-<p>A wheel under {data.load / 1e3:.0f} kN is pressed on the rail (multipliers), rolls over the joint (explicit dynamics,
-penalty contact, friction {data.friction:g}) and is lifted off.</p>
-<h2>Results</h2>{_table(rows_of(data, summary))}
-<p>Forces and footprint change by some percent when cells get half as large. Plastic strain and residual stress at the
-edges of the rails do not converge: stress at a corner has no limit. Compare them between runs of one mesh only.</p>
-{several}
-<h2>Pictures</h2>{"".join(shown)}
-<h2>Parameters</h2>{_table(parameters)}
-<h2>Time</h2>{_table(stages)}
-<h2>Versions</h2>{_table(sorted(versions().items()))}
-</body></html>
-"""
-    write_whole(path, text)
+    write_page(
+        path, "impact_studies.rail_joint", "report.html.jinja",
+        title=f"Insulated rail joint: {data.end_post} end post of {1e3 * data.gap:.0f} mm, {3.6 * data.speed:.0f} km/h",
+        data=data, results=rows_of(data, summary), passes=several, pictures=shown, parameters=parameters,
+        stages=[(name, f"{value:.1f} s") for name, value in seconds.items()], versions=sorted(versions().items()),
+    )  # fmt: skip
 
 
 STATE = """# ParaView (5.12 or newer): File, Load State..., or: paraview --state=paraview_state.py

@@ -4,18 +4,12 @@
 from __future__ import annotations
 
 import re
-from html import escape
 from pathlib import Path
 from typing import Any
 
-from dolfinx_impact.io.hdf5 import write_whole
+from dolfinx_impact.io.html_page import write_page
 from dolfinx_impact.io.run_folder import versions
-from ..html import STYLE
 from .findings import Finding, Picture, SelfCheckReport
-
-MORE = """
-.none { color: #8a6d00; } td.s { min-width: 20em; }
-"""
 
 
 def write(report: SelfCheckReport, path: Path | str) -> Path:
@@ -32,37 +26,20 @@ def write(report: SelfCheckReport, path: Path | str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     made = [f for f in report.findings if f.applies]
     failed = [f for f in made if not f.passed]
-    verdict = '<span class="pass">every check that applies passed</span>'
-    if not report.passed:
-        text = f"{len(failed)} of {len(made)} checks failed" if failed else "nothing was checked"
-        verdict = f'<span class="fail">{text}</span>'
-    with_versions = ", ".join(f"{k} {v}" for k, v in versions().items())
-    out = [f"<!doctype html><meta charset='utf-8'><title>{report.title}</title><style>{STYLE}{MORE}</style>"]
-    out.append(f"<h1>{report.title}</h1><p>{verdict}. {escape(with_versions)}.</p>")
-    if failed:
-        out.append("<h2>What failed</h2>" + _table(failed))
     groups: dict[str, list[Finding]] = {}
     for f in report.findings:
         groups.setdefault(f"{f.form} on {f.cell}s of degree {f.degree}", []).append(f)
-    for title, findings in groups.items():
-        out.append(f"<h2>{escape(title)}</h2>" + _table(findings))
-        if report.pictures.get(title):
-            file = _draw(report.pictures[title], path.parent / f"{re.sub('[^A-Za-z0-9]+', '_', title)}.png")
-            out.append(f"<img src='{escape(file.name)}' alt='numbers of the checks: {escape(title)}'>")
-    write_whole(path, "\n".join(out) + "\n")
+    pictures = {
+        title: _draw(report.pictures[title], path.parent / f"{re.sub('[^A-Za-z0-9]+', '_', title)}.png").name
+        for title in groups
+        if report.pictures.get(title)
+    }
+    write_page(
+        path, "impact_verify", "self_check.html.jinja", title=report.title, heading=report.title,
+        passed=report.passed, failed=failed, num_made=len(made), groups=groups, pictures=pictures,
+        versions=", ".join(f"{name} {version}" for name, version in versions().items()),
+    )  # fmt: skip
     return path
-
-
-def _table(findings: list[Finding]) -> str:
-    rows = []
-    for f in findings:
-        mark = {"pass": "pass", "FAIL": "fail"}.get(f.status, "none")
-        numbers = [f"{f.difference:.1e}", f"{f.tolerance:.0e}"] if f.applies else ["", ""]
-        cells = [f"<td>{escape(f.name)}</td>", f'<td class="{mark}">{escape(f.status)}</td>']
-        cells += [f'<td class="n">{n}</td>' for n in numbers]
-        rows.append("<tr>" + "".join(cells) + f'<td class="s">{escape(f.note)}</td><td>{escape(f.reason)}</td></tr>')
-    head = "".join(f"<th>{h}</th>" for h in ("check", "", "found", "tolerance", "what it says", "tolerance from"))
-    return f"<table><tr>{head}</tr>{''.join(rows)}</table>"
 
 
 def _draw(pictures: list[Picture], path: Path) -> Path:

@@ -203,5 +203,5 @@ def test_units_in_the_report(tmp_path):
     s = summarise(JOINT, history(lambda x: 1.0 + 0.0 * x), JOINT.load, footprint(), 0.0, 100, 2)
     report.write(tmp_path / "r.html", JOINT, s, {}, {})
     text = (tmp_path / "r.html").read_text(encoding="utf-8")
-    assert "<td class=number>0.3</td>" in text and "<td class=number>0.008 m</td>" in text
+    assert '<td class="number">0.3</td>' in text and '<td class="number">0.008 m</td>' in text
     assert "0.3 1<" not in text and "() m" not in text

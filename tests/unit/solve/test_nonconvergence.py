@@ -11,8 +11,9 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
 from dolfinx_impact._cpp.penalty import FacetKeeper
+from dolfinx_impact.common.interrupts import Interrupts
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
-from dolfinx_impact.statics.load_steps import run_steps_by
+from dolfinx_impact.statics.load_steps import Limits, run_steps
 from dolfinx_impact.statics.progress import SolveProgress
 
 
@@ -73,15 +74,24 @@ class FailingSolver:
     """Solves increments as the problem's own solver does, and calls the first `failures` of them failed.
 
     Attributes:
-        seconds: time by part.
         count: iterations of each increment.
     """
 
     def __init__(self, problem, failures):
+        self._problem = problem
         self._solver = _cpp.solve.IncrementSolver(problem.equilibrium, 1e-10, 0.0, 25, None, None, None)
-        self.seconds, self.count, self._failures = {}, [], failures
+        self.count, self._failures = [], failures
 
-    def run(self, goal, log):
+    def run(self, cut_backs):
+        """Report of one load step."""
+        limits = Limits(1, cut_backs, 1e-10, 0.0, 25)
+        with Interrupts(MPI.COMM_SELF) as interrupts:
+            return run_steps(self._problem, self._solve, limits, interrupts, False)
+
+    def _solve(self, steps, rtol, atol, max_iterations, cut_backs, log, begins, accepted, **told):
+        return self._problem._cpp_object.solve_by(self._increment, steps, cut_backs, log, begins, accepted)
+
+    def _increment(self, goal):
         result = self._solver.run(goal)
         self.count.append(result.iterations)
         return result.failed("no") if len(self.count) <= self._failures else result
@@ -91,7 +101,7 @@ def test_increments_of_round_off_are_refused():
     """Cut back for ever, an increment gets no smaller than what can be added to the way."""
     problem = Blocks(di.Lagrange).problem
     with pytest.raises(RuntimeError, match="round-off: ask for fewer cut_backs"):
-        run_steps_by(problem, FailingSolver(problem, 10000), 1, 10000, False)
+        FailingSolver(problem, 10000).run(10000)
 
 
 def test_a_condition_that_stays_violated_is_named(monkeypatch, contacts_in_python):
@@ -114,7 +124,7 @@ def test_too_few_iterations_say_what_is_left():
 def test_a_report_counts_rejected_iterations():
     problem = Blocks(lambda pair: di.Penalty(pair, penalty=1e5)).problem
     solver = FailingSolver(problem, 1)
-    report = run_steps_by(problem, solver, 1, 8, False)
+    report = solver.run(8)
     assert report.rejected_iterations == solver.count[:1] and report.iterations == solver.count[1:]
     assert f"after {solver.count[0]} iterations" in report.table()
 
