@@ -10,6 +10,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/operators/petsc_check.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/RollingProblem.h>
@@ -230,9 +231,14 @@ TEST_CASE("contacts with friction and others are not mixed", "[rolling]")
       s.V, facets, rail, enforcement::MortarOptions{.name = "rolls", .friction = 0.3}, fixed, s.flow);
   CHECK(rolls->friction() == 0.0); // of slips of increments
   CHECK(rolls->steady_friction() == 0.3);
-  const auto slides = std::make_shared<enforcement::MortarContact>(
-      s.V, facets, rail, enforcement::MortarOptions{.name = "slides", .may_share_nodes = true}, fixed);
-  const auto both = std::make_shared<problems::StaticProblem>(
-      s.u, s.body, s.bcs, std::vector<std::shared_ptr<enforcement::StaticContact>>{slides});
-  CHECK_NOTHROW(problems::RollingProblem(both, s.flow));
+  const auto problem = [&](std::vector<std::shared_ptr<enforcement::StaticContact>> contacts,
+                           std::shared_ptr<rolling::Flow> flow)
+  { problems::RollingProblem(std::make_shared<problems::StaticProblem>(s.u, s.body, s.bcs, contacts), flow); };
+  CHECK_NOTHROW(problem({rolls}, s.flow));
+  const auto other = std::make_shared<rolling::Flow>(s.V, std::vector{s.motion});
+  CHECK_THROWS_WITH(problem({rolls}, other), ContainsSubstring("another flow"));
+  const auto pressed = std::make_shared<enforcement::QuadraturePenalty>("pressed", s.V, facets, plane,
+                                                                        enforcement::PenaltyOptions{.penalty = 10.0});
+  CHECK_THROWS_WITH(problem({rolls, pressed}, s.flow), ContainsSubstring("all contacts are RollingContacts"));
+  CHECK_NOTHROW(problem({pressed}, s.flow));
 }

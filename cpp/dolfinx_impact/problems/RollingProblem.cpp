@@ -47,6 +47,9 @@ RollingProblem::RollingProblem(std::shared_ptr<StaticProblem> equilibrium, std::
   for (const auto& contact : p.contacts)
     if (auto* rolling = dynamic_cast<rolling::RollingContact*>(contact.get()))
       _contacts.push_back(rolling);
+  for (const rolling::RollingContact* contact : _contacts)
+    if (&contact->flow() != _flow.get())
+      throw std::invalid_argument(contact->name() + " has another flow than the problem");
   if (!_contacts.empty() && _contacts.size() != p.contacts.size())
     throw std::invalid_argument("with friction against a slip velocity, all contacts are RollingContacts");
   for (const solve::Ramp& ramp : _flow->ramps())

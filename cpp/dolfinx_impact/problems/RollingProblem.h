@@ -30,7 +30,8 @@ public:
   /// @param[in] equilibrium bodies, whose residual has the forces of inertia of the flow with the constants of its
   /// motions, and contacts: with friction all of them rolling::RollingContact, of the same flow, else any without
   /// @param[in] flow of the bodies; its rates, and velocities of rigid masters, become loads of `equilibrium`
-  /// @throws std::invalid_argument for other contacts beside RollingContacts
+  /// (views of this object's and the flow's, so that `equilibrium` is not solved once this is gone)
+  /// @throws std::invalid_argument for other contacts beside RollingContacts, or a contact of another flow
   RollingProblem(std::shared_ptr<StaticProblem> equilibrium, std::shared_ptr<rolling::Flow> flow);
 
   /// Find the steady state for the present rates, loads, boundary conditions and obstacles, in steps from those of the

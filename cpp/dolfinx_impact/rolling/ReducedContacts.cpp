@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ReducedContacts.h"
+#include "../common/agree.h"
 #include <cmath>
 
 namespace dolfinx_impact::rolling
@@ -46,8 +47,10 @@ ReducedContacts::Solution ReducedContacts::forces(const ContactOperators& operat
   TorqueOfCandidates::Solution found;
   int rank = 0;
   MPI_Comm_rank(_comm, &rank);
-  if (rank == 0)
+  const auto solve = [&]
   {
+    if (rank != 0)
+      return;
     const FrictionProblem problem(std::move(nodes), _compliance);
     if (reduced)
       found = reduced->solve(problem, state);
@@ -56,7 +59,8 @@ ReducedContacts::Solution ReducedContacts::forces(const ContactOperators& operat
       FrictionProblem::Solution alone = problem.solve(state);
       found = {std::move(alone.forces), 0.0, std::move(alone.fault)};
     }
-  }
+  };
+  common::agree(_comm, solve);
   MPI_Bcast(&found.change, 1, MPI_DOUBLE, 0, _comm);
   int length = int(found.fault.size());
   MPI_Bcast(&length, 1, MPI_INT, 0, _comm);

@@ -29,6 +29,8 @@ public:
   /// Velocity of the surface of a rigid master; load steps run through it [L/T].
   std::array<double, 3>& obstacle_velocity() { return _obstacle_velocity; }
   const std::array<double, 3>& obstacle_velocity() const { return _obstacle_velocity; }
+  /// Flow of the bodies.
+  const Flow& flow() const { return *_flow; }
   /// Coefficient of friction against the slip velocity [1].
   double steady_friction() const { return options().friction; }
 
