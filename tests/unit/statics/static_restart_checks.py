@@ -66,7 +66,7 @@ class Two:
     def shear(self):
         """Targets of the second solve."""
         if self.master is None:
-            self.top.value[:] = (0.004, -0.012)
+            self.top.value[:] = (0.008, -0.012)  # with friction of 0.3 some nodes slip
         else:
             self.master.displacement = (0.006, 0.014)
         for load in self.loads:
@@ -186,7 +186,7 @@ def check_two_halves_are_the_whole():
             scale = np.abs(wanted[:, 2:]).max()
             np.testing.assert_allclose(there[:, 2:], wanted[:, 2:], rtol=0, atol=1e-7 * scale, err_msg=name)
             for contact in whole.problem.contact:
-                assert contact.dissipated > 0.0 and contact.area > 0.0, name
+                assert contact.dissipated > 1e-12 and contact.area > 0.0, name  # more than round-off
             if whole.problem.has_history:
                 assert np.any(COMM.allreduce(np.abs(whole.problem.history["plastic_strain"].values).max(initial=0.0)))
 
