@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What both sides give of a run: its states, energies and contact forces at all time levels."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,13 +22,13 @@ class Record:
     """
 
     time: FloatArray
-    fields: dict[str, FloatArray]
-    energies: dict[str, FloatArray]
+    fields: Mapping[str, FloatArray]
+    energies: Mapping[str, FloatArray]
     largest_energy: float
     force: FloatArray | None
 
 
-def largest(energies: dict[str, FloatArray]) -> float:
+def largest(energies: Mapping[str, FloatArray]) -> float:
     """Largest kinetic or internal energy.
 
     Args:
