@@ -6,6 +6,8 @@ DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
 .DEFAULT_GOAL := help
+# What is measured: the commit, and whether sources differ from it.
+COMMIT = $(shell git rev-parse --short=8 HEAD)$(shell git diff --quiet HEAD -- . ':!docs' || echo ' (changed)')
 .PHONY: help demo test verify matrix bench docs notebooks public-names shell lint format stub clean lint-here formats-here \
   types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
@@ -28,9 +30,9 @@ verify: ## generated kernels against the hand-written solver, then the slow stud
 matrix: ## every form of the catalogue: our kernels against FFCx's own C kernels (a long run)
 	$(RUN) $(PYTEST) -m matrix $(ARGS)
 
-bench: ## the benchmarks; writes results/bench.json
+bench: ## the benchmarks; writes results/bench.json and appends the ratios to docs/bench_history.csv
 	mkdir -p results
-	$(RUN) dolfinx-impact bench --large --json results/bench.json
+	$(RUN) dolfinx-impact bench --large --json results/bench.json --history docs/bench_history.csv --commit "$(COMMIT)"
 
 docs: ## the documentation site, in build/site; works without a network
 	$(RUN) make docs-here

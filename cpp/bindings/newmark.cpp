@@ -96,8 +96,8 @@ void bind_control(nb::module_& m)
       .def("next", &StepControl::next, nb::arg("time"), nb::arg("goal"), "Length of the next step, time at its end")
       .def("failed", &StepControl::failed, nb::arg("step"), "Halve it; returns whether it is long enough to be tried")
       .def("accepts", &StepControl::accepts, nb::arg("step"), nb::arg("error").none(), "Judge the error of a step")
-      .def("done", &StepControl::done, nb::arg("step"), nb::arg("iterations"), nb::arg("error").none(),
-           "Choose the next length after an accepted step")
+      .def("choose_next_step", &StepControl::choose_next_step, nb::arg("step"), nb::arg("iterations"),
+           nb::arg("error").none(), "Choose the next length after an accepted step")
       .def_prop_ro("largest", &StepControl::largest)
       .def_prop_ro("smallest", &StepControl::smallest)
       .def_prop_ro("tolerance", &StepControl::tolerance)
@@ -141,9 +141,11 @@ void bind_motion(nb::module_& m)
       .def_rw("internal", &Works::internal)
       .def_rw("external", &Works::external)
       .def_rw("damping", &Works::damping);
-  nb::class_<EnergyAccount>(m, "EnergyAccount", "Sums up the works of implicit steps by the trapezoidal rule")
-      .def_prop_rw("forces", &EnergyAccount::forces, &EnergyAccount::set_forces, nb::rv_policy::reference_internal)
-      .def_prop_rw("works", &EnergyAccount::works, &EnergyAccount::set_works, nb::rv_policy::copy);
+  nb::class_<ImplicitEnergyBalance>(m, "ImplicitEnergyBalance",
+                                    "Sums up the works of implicit steps by the trapezoidal rule")
+      .def_prop_rw("forces", &ImplicitEnergyBalance::forces, &ImplicitEnergyBalance::set_forces,
+                   nb::rv_policy::reference_internal)
+      .def_prop_rw("works", &ImplicitEnergyBalance::works, &ImplicitEnergyBalance::set_works, nb::rv_policy::copy);
 }
 
 void bind_bodies(nb::module_& m)
@@ -215,7 +217,7 @@ void bind_stepper(nb::module_& m)
       .def_prop_ro("time", &ImplicitStepper::time)
       .def_prop_ro("step", &ImplicitStepper::step)
       .def_prop_ro("motion", &ImplicitStepper::motion, nb::rv_policy::reference_internal)
-      .def_prop_ro("account", &ImplicitStepper::account, nb::rv_policy::reference_internal)
+      .def_prop_ro("energy_balance", &ImplicitStepper::energy_balance, nb::rv_policy::reference_internal)
       .def_prop_ro("iterations", &ImplicitStepper::iterations)
       .def_prop_ro("cut_backs", &ImplicitStepper::cut_backs)
       .def_prop_ro("rejected", &ImplicitStepper::rejected);

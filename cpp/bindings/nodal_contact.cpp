@@ -136,19 +136,20 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "too_deep", [](const NodeToSurface& self, Values u) { return self.too_deep({u.data(), u.size()}); },
           nb::arg("u"), "Nodes in a rigid master by more than half a facet; None: it is deformable")
       .def(
-          "number",
+          "assign_numbers",
           [](NodeToSurface& self, Halo& halo, Values mass)
           {
             std::vector<std::int32_t> same(halo.num_nodes());
             std::iota(same.begin(), same.end(), 0);
-            self.needs(halo);
-            self.number(halo, same, over(halo, mass, 1, "mass"));
+            self.required_nodes(halo);
+            self.assign_numbers(halo, same, over(halo, mass, 1, "mass"));
           },
           nb::arg("halo"), nb::arg("mass"), nb::keep_alive<1, 2>(), "Take the numbers of nodes from a Halo. Collective")
       .def(
-          "used", [](const NodeToSurface& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt)
-          { return self.used(nodal_state(halo, self.candidates().gdim(), u, du, inverse_mass, dt)); }, nb::arg("halo"),
-          nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"))
+          "increment_used",
+          [](const NodeToSurface& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt)
+          { return self.increment_used(nodal_state(halo, self.candidates().gdim(), u, du, inverse_mass, dt)); },
+          nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"))
       .def(
           "update_gaps", [](NodeToSurface& self, const Halo& halo, Values u)
           { self.update_gaps(over(halo, u, self.candidates().gdim(), "u")); }, nb::arg("halo"), nb::arg("u"),
@@ -233,7 +234,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
             all.add(&self);
             std::vector<std::int32_t> numbers(halo.num_nodes());
             std::iota(numbers.begin(), numbers.end(), 0);
-            all.number(halo, halo, numbers);
+            all.assign_numbers(halo, halo, numbers);
             all.correct(step, over(halo, u, gdim, "u"), over(halo, f, gdim, "f"));
           },
           nb::arg("halo"), nb::arg("u").noconvert(), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("h"),

@@ -31,8 +31,9 @@ public:
   }
   std::span<const std::int64_t> remote_nodes() const override { return {}; }
   std::span<const int> remote_owners() const override { return {}; }
-  std::span<const std::int32_t> needs(operators::Halo&) override { return _nodes; }
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override
+  std::span<const std::int32_t> required_nodes(operators::Halo&) override { return _nodes; }
+  void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                      std::span<const double> mass) override
   {
     REQUIRE(halo.num_nodes() == 1);
     own = numbers[2];
@@ -44,7 +45,7 @@ public:
     obstacle = displacement;
     obstacle_increment = increment;
   }
-  double used(const enforcement::NodalState&) const override { return motion_used; }
+  double increment_used(const enforcement::NodalState&) const override { return motion_used; }
   void forget_search() override { ++forgotten; }
   void update_gaps(std::span<const double> u) override { gap = u[2 * own]; }
   enforcement::ContactEnergy energy() const override { return energies; }
@@ -352,7 +353,8 @@ TEST_CASE("both directions of a pair are searched and act, and the pair tells th
   NodalFields fields = three_nodes();
   fields.u[4] = 3.0;
   ContactForces contacts;
-  const auto first = std::make_shared<Spring>(), second = std::make_shared<Spring>(), alone = std::make_shared<Spring>();
+  const auto first = std::make_shared<Spring>(), second = std::make_shared<Spring>(),
+             alone = std::make_shared<Spring>();
   contacts.add(enforcement::NodalPair({first, second}), {-1, -1, -1});
   contacts.add(alone, {-1, -1, -1});
   CHECK(contacts.size() == 2);

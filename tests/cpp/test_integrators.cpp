@@ -215,7 +215,7 @@ TEST_CASE("nodes of contacts have numbers and values of their own")
   }
   ContactNodes nodes;
   CHECK(nodes.forces(fields).springs == std::vector<double>(6, 0.0));
-  nodes.number(fields, {2, 0, 2}, false);
+  nodes.assign_numbers(fields, {2, 0, 2}, false);
   REQUIRE(nodes.size() == 2);
   CHECK(nodes.numbers()[0] == 0);
   CHECK(nodes.numbers()[1] == -1);
@@ -231,7 +231,7 @@ TEST_CASE("nodes of contacts have numbers and values of their own")
   CHECK(fields.r == std::vector<double>{-1.0, 0.0, 0.0, 0.0, 0.0, 2.0});
   SECTION("forces go on when other nodes are numbered")
   {
-    nodes.number(fields, {1, 2}, true);
+    nodes.assign_numbers(fields, {1, 2}, true);
     CHECK(nodes.springs == std::vector<double>{0.0, 0.0, 0.0, -2.0});
     CHECK(nodes.v.size() == 4);
   }

@@ -71,13 +71,13 @@ void ContactForces::search(NodalFields& fields, double last_step)
   std::vector<std::int32_t> nodes;
   for (enforcement::NodalContact* contact : _directions)
   {
-    const auto needed = contact->needs(*fields.halo);
+    const auto needed = contact->required_nodes(*fields.halo);
     nodes.insert(nodes.end(), needed.begin(), needed.end());
   }
-  _nodes.number(fields, std::move(nodes), has_kinematic());
+  _nodes.assign_numbers(fields, std::move(nodes), has_kinematic());
   for (enforcement::NodalContact* contact : _directions)
-    contact->number(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
-  _kinematic_step.number(*fields.halo, *_nodes.halo(), _nodes.numbers());
+    contact->assign_numbers(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
+  _kinematic_step.assign_numbers(*fields.halo, *_nodes.halo(), _nodes.numbers());
   _search_due = false;
 }
 
@@ -166,7 +166,7 @@ void ContactForces::predict_searches()
     return;
   const Stopwatch watch(_seconds);
   for (const enforcement::NodalContact* contact : _directions)
-    _searches_due += !(contact->used(state()) < 1.0);
+    _searches_due += !(contact->increment_used(state()) < 1.0);
 }
 
 void ContactForces::keep(const NodalFields& fields)

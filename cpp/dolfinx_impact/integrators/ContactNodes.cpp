@@ -6,7 +6,7 @@
 
 namespace dolfinx_impact::integrators
 {
-void ContactNodes::number(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
+void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
 {
   const Forces kept = forces(fields);
   _kept = {};

@@ -16,7 +16,7 @@ public:
   /// Number the nodes that contacts need, owned ones first. Contact forces of the last step go on. Collective.
   /// @param[in] nodes of the fields' Halo that contacts on this rank need, in any order, perhaps several times
   /// @param[in] kinematic is there kinematic contact? Its corrections reach all ranks that have a node as a ghost
-  void number(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic);
+  void assign_numbers(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic);
   /// Numbers by node of the fields' Halo, -1: none; valid until the next `number`.
   std::span<const std::int32_t> numbers() const { return _numbers; }
   /// Masses by number [M].

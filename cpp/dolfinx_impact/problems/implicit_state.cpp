@@ -35,8 +35,8 @@ State saved_state(NewmarkProblem& problem)
   const solve::EquilibriumProblem& p = *problem.equilibrium();
   integrators::ImplicitStepper& stepper = problem.stepper();
   const integrators::Motion& motion = stepper.motion();
-  const integrators::Forces& forces = stepper.account().forces();
-  const integrators::Works& works = stepper.account().works();
+  const integrators::Forces& forces = stepper.energy_balance().forces();
+  const integrators::Works& works = stepper.energy_balance().works();
   const std::optional<integrators::StepControl>& control = problem.control();
   const std::size_t bs = p.space().dofmap()->index_map_bs();
   State out("implicit problem");
@@ -91,8 +91,8 @@ void resume(NewmarkProblem& problem, const State& saved)
   stepper.largest_displacement() = number<double>(saved, "largest_displacement");
   problem.set_control(control_of(saved));
   resume_contacts(saved, p.contacts, p.u->x()->array());
-  stepper.account().set_works({number<double>(saved, "work internal"), number<double>(saved, "work external"),
-                               number<double>(saved, "work damping")});
+  stepper.energy_balance().set_works({number<double>(saved, "work internal"), number<double>(saved, "work external"),
+                                      number<double>(saved, "work damping")});
   integrators::Forces forces{vector(saved, "force internal"),
                              vector(saved, "force external"),
                              vector(saved, "force damping"),
@@ -100,7 +100,7 @@ void resume(NewmarkProblem& problem, const State& saved)
                              {}};
   for (std::size_t k = 0; k < p.contacts.size(); ++k)
     forces.obstacles.push_back({obstacles[3 * k], obstacles[3 * k + 1], obstacles[3 * k + 2]});
-  stepper.account().set_forces(std::move(forces));
+  stepper.energy_balance().set_forces(std::move(forces));
   problem.history().resume(number<double>(saved, "total_start"), number<double>(saved, "largest"));
   stepper.resume();
   problem.set_time();

@@ -98,18 +98,6 @@ class CentralDifference:
     @property
     def row_size(self) -> int: ...
 
-class EnergyAccount:
-    """Sums up the works of implicit steps by the trapezoidal rule"""
-
-    @property
-    def forces(self) -> Forces: ...
-    @forces.setter
-    def forces(self, arg: Forces, /) -> None: ...
-    @property
-    def works(self) -> Works: ...
-    @works.setter
-    def works(self, arg: Works, /) -> None: ...
-
 class Forces:
     """Forces at one time, over owned degrees of freedom"""
 
@@ -160,6 +148,18 @@ class FunctionVelocityForce(VelocityForce):
         tangent: Callable[[petsc4py.PETSc.Vec], list[petsc4py.PETSc.Mat]],
         linear: bool,
     ) -> None: ...
+
+class ImplicitEnergyBalance:
+    """Sums up the works of implicit steps by the trapezoidal rule"""
+
+    @property
+    def forces(self) -> Forces: ...
+    @forces.setter
+    def forces(self, arg: Forces, /) -> None: ...
+    @property
+    def works(self) -> Works: ...
+    @works.setter
+    def works(self, arg: Works, /) -> None: ...
 
 class ImplicitScheme:
     """Generalised-alpha method by four parameters; docs/implicit/scheme.md"""
@@ -224,7 +224,7 @@ class ImplicitStepper:
     @property
     def motion(self) -> Motion: ...
     @property
-    def account(self) -> EnergyAccount: ...
+    def energy_balance(self) -> ImplicitEnergyBalance: ...
     @property
     def iterations(self) -> int: ...
     @property
@@ -311,7 +311,7 @@ class StepControl:
     def accepts(self, step: float, error: float | None) -> bool:
         """Judge the error of a step"""
 
-    def done(self, step: float, iterations: int, error: float | None) -> None:
+    def choose_next_step(self, step: float, iterations: int, error: float | None) -> None:
         """Choose the next length after an accepted step"""
 
     @property

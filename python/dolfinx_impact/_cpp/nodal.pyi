@@ -149,10 +149,10 @@ class NodeToSurface(NodalContact):
         Nodes in a rigid master by more than half a facet; None: it is deformable
         """
 
-    def number(self, halo: dolfinx_impact._cpp.operators.Halo, mass: NDArray[numpy.floating[Any]]) -> None:
+    def assign_numbers(self, halo: dolfinx_impact._cpp.operators.Halo, mass: NDArray[numpy.floating[Any]]) -> None:
         """Take the numbers of nodes from a Halo. Collective"""
 
-    def used(
+    def increment_used(
         self,
         halo: dolfinx_impact._cpp.operators.Halo,
         u: NDArray[numpy.floating[Any]],

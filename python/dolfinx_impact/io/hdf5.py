@@ -5,6 +5,12 @@ After a write that fails inside HDF5, the file is damaged and the process may be
 never writes to a disk here. A new file is written under another name and renamed when it is complete. A file that grows
 is changed in three steps: room is reserved, new bytes are written behind the end, and only then existing bytes are
 changed in place. If the disk is full, the file stays as it was.
+
+h5py on the disk itself, with Fletcher32 and a rename at the end, does not do the same. Where a file may not grow any
+more, h5py 3.13 with HDF5 1.14 raises OSError, but cannot close the file, and Python ends with a segmentation fault
+although the script has caught the error. Fletcher32 is a filter of chunks: it covers neither attributes nor the headers
+and indices of the file, all of which the seal covers. A series that grows by one frame would be written anew as a whole
+for each, as HDF5 changes headers in place.
 """
 
 from __future__ import annotations
@@ -23,7 +29,7 @@ if TYPE_CHECKING:
     from _typeshed import ReadableBuffer, WriteableBuffer
 
 
-class Sketch(io.RawIOBase):
+class WrittenPages(io.RawIOBase):
     """File in memory that stores only the pages that were written.
 
     Args:
@@ -200,11 +206,11 @@ def create(path: FilePath, fill: Callable[[h5py.File], object], sealed: bool = F
     """
     import h5py
 
-    sketch = Sketch()
-    with h5py.File(sketch, "w") as file:
+    pages = WrittenPages()
+    with h5py.File(pages, "w") as file:
         fill(file)
-    ends = [(sketch.size, _cpp.files.seal(sketch.content(0, sketch.size)))] if sealed else []
-    write_whole(path, [*sketch.writes(), *ends])
+    ends = [(pages.size, _cpp.files.seal(pages.content(0, pages.size)))] if sealed else []
+    write_whole(path, [*pages.writes(), *ends])
 
 
 def update(path: FilePath, change: Callable[[h5py.File], object]) -> None:
@@ -221,20 +227,20 @@ def update(path: FilePath, change: Callable[[h5py.File], object]) -> None:
 
     file = os.open(path, os.O_RDWR)
     try:
-        sketch = Sketch(file)
-        end = sketch.size
-        with h5py.File(sketch, "r+") as hdf5:
+        pages = WrittenPages(file)
+        end = pages.size
+        with h5py.File(pages, "r+") as hdf5:
             change(hdf5)
-        reserve(file, end, sketch.size)
+        reserve(file, end, pages.size)
         try:
-            for offset, data in sketch.writes():
+            for offset, data in pages.writes():
                 if offset + len(data) > end:
                     first = max(0, end - offset)
                     write_at(file, data[first:], offset + first)
         except OSError:
             os.ftruncate(file, end)
             raise
-        for offset, data in sketch.writes():
+        for offset, data in pages.writes():
             if offset < end:
                 write_at(file, data[: end - offset], offset)
     finally:

@@ -26,8 +26,8 @@ class LinearSolver(Described):
     Args:
         V: displacement space.
         options: PETSc options without prefix; None chooses by size.
-        prefix: what the command line says of it goes first; a number is added to it, so that the options of one
-            problem are not those of the next.
+        prefix: options of the command line that begin with it override `options`; a number is added to it, so that
+            the options of one problem are not those of the next.
         indefinite: the systems are saddle points: a direct solver is the default at any size.
         limits: which systems are factorised, and how long factors are kept.
 
@@ -123,7 +123,7 @@ class LinearSolver(Described):
         return self._cpp_object.solve(system, b, x, rtol) or None
 
     def set_near_nullspace(self, A: PETSc.Mat) -> None:
-        """Tell a matrix the rigid motions, if preconditioners need them. Collective.
+        """Attach the rigid body modes to a matrix as its near null space, if preconditioners need them. Collective.
 
         Args:
             A: the matrix.
@@ -131,7 +131,7 @@ class LinearSolver(Described):
         self._cpp_object.set_near_nullspace(A)
 
     def warn_of_unused(self) -> None:
-        """After a solution: warn, once and on rank 0, of options that were asked for and that nobody has read."""
+        """Warn, once and on rank 0, of given options that PETSc has not read in a solution."""
         self._cpp_object.warn_of_unused()
 
 

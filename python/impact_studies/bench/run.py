@@ -16,7 +16,7 @@ from pathlib import Path
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.io.hdf5 import write_whole
-from . import contact, explicit, force, laws, plastic, rolling, statics
+from . import contact, explicit, force, history, laws, plastic, rolling, statics
 from .rows import Job, impossible, measure
 
 
@@ -74,6 +74,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     parser = argparse.ArgumentParser(prog="dolfinx-impact bench", description=__doc__)
     parser.add_argument("--json", metavar="OUT", help="write rows and machine here")
+    parser.add_argument("--history", metavar="FILE", type=Path, help="append the ratios to this file")
+    parser.add_argument("--commit", default="unknown", help="what is measured, for the file of ratios")
     parser.add_argument("--large", action="store_true", help="also contact problems of 300,000 unknowns")
     parser.add_argument("--ranks", type=int, default=0, help="also whole explicit steps on so many ranks against one")
     args = parser.parse_args(argv)
@@ -86,6 +88,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, json.dumps({"rows": rows, "machine": about}, indent=1) + "\n")
     complaints = impossible(rows)
+    if args.history and not complaints:
+        history.append(args.history, rows, about, args.commit)
     for complaint in complaints:
         print(f"bench: {complaint}", file=sys.stderr)
     return 1 if complaints else 0

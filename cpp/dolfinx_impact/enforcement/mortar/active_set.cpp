@@ -103,7 +103,7 @@ ActiveSet update_active_set(const NodalMultipliers& now, bool first, double tole
     // A node that sticks is let slip before it is let go: what holds it along the surface may pull it off.
     out.active[i] = (active || closing) && !(opening && !(sticks(now, i) && size > 0.0));
     const bool held = (out.active[i] && active) || closing;
-    // At the bound, and nothing moves: round-off must not decide. What slips goes on to.
+    // At the bound of friction round-off must not decide whether a node slips: one that slips continues to slip.
     bool slips = held && (size > bound * (sliding ? 1 - 1e-8 : 1 + 1e-10) || now.coefficient(i) == 0.0);
     // What slipped and would now slip the other way, but not far, comes to rest first, or it might go to and fro.
     const bool back = dot(trial, &now.direction[i * g], g) < 0.0;

@@ -65,10 +65,10 @@ void KinematicContact::resume_nodes(const state::State& saved)
   std::ranges::copy(saved.values<double>("impulse"), _impulse.begin());
 }
 
-void KinematicContact::number(operators::Halo& halo, std::span<const std::int32_t> numbers,
-                              std::span<const double> mass)
+void KinematicContact::assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                                      std::span<const double> mass)
 {
-  NodeToSurface::number(halo, numbers, mass);
+  NodeToSurface::assign_numbers(halo, numbers, mass);
   _contact_nodes.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _contact_nodes.insert(_contact_nodes.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
   std::sort(_contact_nodes.begin(), _contact_nodes.end());

@@ -58,7 +58,8 @@ public:
   int sweeps() const { return _sweeps; }
   /// Nodes that it reads or acts on, by number, ascending.
   std::span<const std::int32_t> nodes() const { return _contact_nodes; }
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
+  void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                      std::span<const double> mass) override;
   void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
 
 private:

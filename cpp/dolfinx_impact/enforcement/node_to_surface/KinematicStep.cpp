@@ -29,7 +29,7 @@ double largest_eigenvalue(double xx, double xy, double yy, double xz, double yz,
 }
 } // namespace
 
-void KinematicStep::number(operators::Halo& all, operators::Halo& halo, std::span<const std::int32_t> numbers)
+void KinematicStep::assign_numbers(operators::Halo& all, operators::Halo& halo, std::span<const std::int32_t> numbers)
 {
   if (_contacts.empty())
     return;

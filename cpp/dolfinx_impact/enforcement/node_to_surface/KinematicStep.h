@@ -17,7 +17,7 @@ public:
   /// Take the nodes of a search, after NodalContact::needs and number. Collective.
   /// @param[in] all Halo that was passed to `needs`
   /// @param[in] halo, numbers as for NodalContact::number; a reference to `halo` is kept
-  void number(operators::Halo& all, operators::Halo& halo, std::span<const std::int32_t> numbers);
+  void assign_numbers(operators::Halo& all, operators::Halo& halo, std::span<const std::int32_t> numbers);
 
   /// Collective. No allocation.
   /// @param[in] step as predicted, ghosts valid

@@ -54,12 +54,13 @@ public:
   virtual std::span<const int> remote_owners() const = 0;
   /// Nodes that the contact reads or acts on, each once, ascending; call after a search. Collective.
   /// @param[in] all Halo of the nodes of the space and remote_nodes(); its numbering is used
-  virtual std::span<const std::int32_t> needs(operators::Halo& all) = 0;
+  virtual std::span<const std::int32_t> required_nodes(operators::Halo& all) = 0;
   /// Renumber the nodes that `needs` returned. Collective.
   /// @param[in] halo contains these nodes; a reference is kept and must stay valid until the next call
   /// @param[in] numbers in `halo`, for each node of the Halo passed to `needs`
   /// @param[in] mass of the nodes of `halo`, ghosts valid [M]
-  virtual void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) = 0;
+  virtual void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                              std::span<const double> mass) = 0;
   /// Largest size of a number that the position of a rigid master is computed from; zero: deformable [L].
   virtual double largest_position() const = 0;
   /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
@@ -70,7 +71,7 @@ public:
     set_obstacle(displacement, increment);
   }
   /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
-  virtual double used(const NodalState& state) const = 0;
+  virtual double increment_used(const NodalState& state) const = 0;
 
   /// Reset the prediction of the search distance, so that runs with and without a restart search alike.
   virtual void forget_search() = 0;

@@ -243,7 +243,7 @@ surface::Facets NodeCandidates::numbered(operators::Halo& halo) const
   return out;
 }
 
-void NodeCandidates::number(std::span<const std::int32_t> numbers)
+void NodeCandidates::assign_numbers(std::span<const std::int32_t> numbers)
 {
   const auto of = [&](const std::vector<std::int32_t>& nodes, std::vector<std::int32_t>& out)
   {
@@ -269,7 +269,7 @@ void NodeCandidates::advance(double dt)
   _fresh = false;
 }
 
-double NodeCandidates::used(const NodalState& state) const
+double NodeCandidates::increment_used(const NodalState& state) const
 {
   if (_rigid)
     return 0.0;

@@ -49,7 +49,7 @@ public:
   /// All slave facets at nodes(), of all ranks, in the Halo's numbering.
   surface::Facets around(const operators::Halo& halo) const;
   /// Set numbers() and watched_numbers(): positions of nodes() and watched() in the arrays of NodalState.
-  void number(std::span<const std::int32_t> numbers);
+  void assign_numbers(std::span<const std::int32_t> numbers);
   std::span<const std::int32_t> numbers() const { return _numbers; }
   std::span<const std::int32_t> watched_numbers() const { return _watched_numbers; }
   /// Nodal areas of the master over the Halo's nodes [L^2]. Collective.
@@ -61,7 +61,7 @@ public:
   /// Advance the time since the last search by a step of this size [T].
   void advance(double dt);
   /// See NodalContact::used.
-  double used(const NodalState& state) const;
+  double increment_used(const NodalState& state) const;
   /// See NodalContact::forget_search.
   void forget();
   std::int64_t searches() const { return _searches; }

@@ -62,7 +62,7 @@ NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets&
 {
 }
 
-std::span<const std::int32_t> NodePenalty::needs(operators::Halo& all)
+std::span<const std::int32_t> NodePenalty::required_nodes(operators::Halo& all)
 {
   if (!_known.master.empty())
   {
@@ -70,12 +70,13 @@ std::span<const std::int32_t> NodePenalty::needs(operators::Halo& all)
     std::copy(_known.master.begin(), _known.master.end(), _all_known.begin());
     all.forward(_all_known, 1);
   }
-  return NodeToSurface::needs(all);
+  return NodeToSurface::required_nodes(all);
 }
 
-void NodePenalty::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
+void NodePenalty::assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                                 std::span<const double> mass)
 {
-  NodeToSurface::number(halo, numbers, mass);
+  NodeToSurface::assign_numbers(halo, numbers, mass);
   const auto masters = _tracker.master_nodes();
   _master_force.assign(masters.size(), {});
   if (!_all_known.empty())
@@ -261,7 +262,7 @@ void NodePenalty::open_spring(std::size_t i, const double* n, double change, con
     work += turned * motion[c];
     t[c] = 0.0;
   }
-  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keep_closed its size when the normal turns
+  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keeps its size when the normal turns
   _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
 }
 

@@ -46,8 +46,9 @@ public:
               const NodePenaltyOptions& options = {});
 
   void add_forces(const NodalState& state, std::span<double> f) override;
-  std::span<const std::int32_t> needs(operators::Halo& all) override;
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
+  std::span<const std::int32_t> required_nodes(operators::Halo& all) override;
+  void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                      std::span<const double> mass) override;
   /// Nodal stiffness of both surfaces (docs/explicit/penalty.md, "Stiffness"); call before `needs`.
   /// @throws std::invalid_argument for another number of nodes, negative or infinite values
   void set_nodal_compliances(NodalCompliances compliances);

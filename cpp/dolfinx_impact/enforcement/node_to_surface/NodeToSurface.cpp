@@ -97,7 +97,7 @@ void NodeToSurface::search(std::span<const double> u, std::span<const double> du
   _candidates.search(u, du, deepest_penetration());
 }
 
-std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
+std::span<const std::int32_t> NodeToSurface::required_nodes(operators::Halo& all)
 {
   // An owner keeps all its watched nodes: slaves of other ranks may push them.
   _needed.assign(_candidates.watched().begin(), _candidates.watched().end());
@@ -114,10 +114,11 @@ std::span<const std::int32_t> NodeToSurface::needs(operators::Halo& all)
   return _needed;
 }
 
-void NodeToSurface::number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
+void NodeToSurface::assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                                   std::span<const double> mass)
 {
   _halo = &halo;
-  _candidates.number(numbers);
+  _candidates.assign_numbers(numbers);
   _inverse_mass.clear();
   for (std::int32_t node : _candidates.numbers())
     _inverse_mass.push_back(1.0 / mass[node]);

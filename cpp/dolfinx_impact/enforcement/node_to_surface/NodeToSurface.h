@@ -41,9 +41,10 @@ public:
   void search(std::span<const double> u, std::span<const double> du) override;
   std::span<const std::int64_t> remote_nodes() const override { return _candidates.remote_nodes(); }
   std::span<const int> remote_owners() const override { return _candidates.remote_owners(); }
-  std::span<const std::int32_t> needs(operators::Halo& all) override;
-  void number(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass) override;
-  double used(const NodalState& state) const override { return _candidates.used(state); }
+  std::span<const std::int32_t> required_nodes(operators::Halo& all) override;
+  void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                      std::span<const double> mass) override;
+  double increment_used(const NodalState& state) const override { return _candidates.increment_used(state); }
   void forget_search() override { _candidates.forget(); }
   void update_gaps(std::span<const double> u) override;
   ContactEnergy energy() const override { return _energy; }

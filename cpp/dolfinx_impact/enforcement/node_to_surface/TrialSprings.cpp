@@ -70,8 +70,8 @@ TrialSprings::TrialSprings(const surface::FunctionSpace& V, const NodalPair& pai
   std::iota(same.begin(), same.end(), 0);
   for (const auto& direction : _directions)
   {
-    direction->needs(*_halo);
-    direction->number(*_halo, same, masses);
+    direction->required_nodes(*_halo);
+    direction->assign_numbers(*_halo, same, masses);
   }
 }
 

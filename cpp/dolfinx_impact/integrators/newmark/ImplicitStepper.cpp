@@ -147,7 +147,7 @@ void ImplicitStepper::start(std::optional<double> step)
   _motion.mean = _motion.acceleration;
   show_motion();
   _places = values.places;
-  _account.set_forces(forces(_motion, values));
+  _energy_balance.set_forces(forces(_motion, values));
 }
 
 state::State ImplicitStepper::state()
@@ -159,7 +159,7 @@ state::State ImplicitStepper::state()
   out.add("start", state::Place::node, _start_displacement, bs);
   out.add("largest displacement", state::Place::all, _largest_displacement);
   out.add(_motion.state(bs));
-  out.add(_account.state(bs));
+  out.add(_energy_balance.state(bs));
   out.add(_body->state());
   for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
   {
@@ -260,8 +260,8 @@ void ImplicitStepper::accept(Motion motion, const TimeValues& values)
     contact->accept_step();
   Forces present = forces(motion, values);
   _body->accept_step();
-  _account.add_step(_equations->comm(), std::move(present), _motion.displacement, motion.displacement, _places,
-                    values.places);
+  _energy_balance.add_step(_equations->comm(), std::move(present), _motion.displacement, motion.displacement, _places,
+                           values.places);
   _places = values.places;
   _motion = std::move(motion);
   show_motion();
@@ -327,7 +327,7 @@ void ImplicitStepper::take_step(double goal, StepControl& control, const Solver&
       if (control.accepts(step, found))
       {
         accept(std::move(motion), values);
-        control.done(step, _iterations, found);
+        control.choose_next_step(step, _iterations, found);
         return;
       }
       ++_rejected;
@@ -358,7 +358,7 @@ Energies ImplicitStepper::energies()
 {
   Energies out;
   out.kinetic = 0.5 * sum(_equations->comm(), _motion.velocity, _body->inertia().times(_motion.velocity));
-  const Works& works = _account.works();
+  const Works& works = _energy_balance.works();
   const std::optional<double> stored = _body->stored_energy();
   out.internal = stored.value_or(works.internal);
   if (_body->properties().inelastic)

@@ -3,8 +3,8 @@
 #include "../../solve/EquilibriumProblem.h"
 #include "../../solve/Increment.h"
 #include "../energy.h"
-#include "EnergyAccount.h"
 #include "Excitation.h"
+#include "ImplicitEnergyBalance.h"
 #include "ImplicitScheme.h"
 #include "MovingBody.h"
 #include "StepControl.h"
@@ -67,7 +67,7 @@ public:
   void set_motion(Motion motion) { _motion = std::move(motion); }
   /// Velocity and acceleration as the functions show them, ghosts included. Collective.
   void show_motion();
-  EnergyAccount& account() { return _account; }
+  ImplicitEnergyBalance& energy_balance() { return _energy_balance; }
   /// Displacement at the start, owned [L].
   std::vector<double>& start_displacement() { return _start_displacement; }
   /// Largest displacement so far, which errors are relative to: root of a mass-weighted mean square [L].
@@ -97,7 +97,7 @@ private:
   Motion _motion;
   double _time = 0.0;
   std::int64_t _number = 0;
-  EnergyAccount _account;
+  ImplicitEnergyBalance _energy_balance;
   std::vector<std::array<double, 3>> _places; ///< displacements of rigid masters at the present time [L]
   std::vector<double> _start_displacement;
   double _largest_displacement = 0.0;

@@ -52,7 +52,7 @@ double StepControl::factor(double error) const
   return std::clamp(safety * std::cbrt(*_tolerance / error), largest_cut, largest_growth);
 }
 
-void StepControl::done(double step, int iterations, std::optional<double> error)
+void StepControl::choose_next_step(double step, int iterations, std::optional<double> error)
 {
   double wanted = iterations <= few && _length < _largest ? 2.0 * _length : _length;
   if (iterations > many && step <= _length * (1.0 + same))

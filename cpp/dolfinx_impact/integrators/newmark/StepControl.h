@@ -32,7 +32,7 @@ public:
   /// new length. @returns whether the step is accepted
   bool accepts(double step, std::optional<double> error);
   /// Choose the length of the next step after an accepted one, of which its Newton iterations and error are given.
-  void done(double step, int iterations, std::optional<double> error);
+  void choose_next_step(double step, int iterations, std::optional<double> error);
 
   double largest() const { return _largest; }
   double smallest() const { return _smallest; }

@@ -346,7 +346,7 @@ class NewmarkProblem(TransientProblem):
         diagonal = K.getDiagonal()
         limit = release_limit(self.space, diagonal.array_r)
         diagonal.destroy()
-        work = 0.5 * float(self.stepper.account.forces.internal @ self.stepper.motion.displacement)
+        work = 0.5 * float(self.stepper.energy_balance.forces.internal @ self.stepper.motion.displacement)
         return GrowthGuard(limit + abs(self.comm.allreduce(work)), self._energy["kinetic"])
 
     def sample(self, times: FloatArray) -> FloatArray:

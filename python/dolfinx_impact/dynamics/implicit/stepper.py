@@ -7,7 +7,7 @@ import math
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from dolfinx import fem
@@ -95,14 +95,14 @@ class ImplicitStepper(Described):
         self._before = 0.0  # time at its start [T]
 
     @property
-    def motion(self) -> Any:
+    def motion(self) -> _cpp.integrators.Motion:
         """Motion at the present time (C++): displacement [L], velocity [L/T], acceleration and mean [L/T^2]."""
         return self._cpp_object.motion
 
     @property
-    def account(self) -> Any:
+    def energy_balance(self) -> _cpp.integrators.ImplicitEnergyBalance:
         """Forces at the present time, and works so far (C++)."""
-        return self._cpp_object.account
+        return self._cpp_object.energy_balance
 
     @property
     def iterations(self) -> int:

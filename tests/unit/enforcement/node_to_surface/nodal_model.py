@@ -42,7 +42,7 @@ class Nodal:
         self.halo = _cpp.operators.Halo(self.index_map)
         self.mass = self.spread(self.mass_owned[:, None]).reshape(-1)
         for side in self.sides:
-            side.number(self.halo, self.mass)
+            side.assign_numbers(self.halo, self.mass)
         self.inverse = np.repeat(1 / self.mass, self.dim)
 
     def spread(self, rows):
@@ -85,7 +85,7 @@ class Nodal:
         for side in self.sides:
             side.add_forces(*state, f)
         self.halo.reverse(f, self.dim)
-        self.used = max(side.used(*state) for side in self.sides)
+        self.used = max(side.increment_used(*state) for side in self.sides)
         return f.reshape(-1, self.dim)[: self.num]
 
     def correct(self, u, du, h=None, search=True):
@@ -93,7 +93,7 @@ class Nodal:
         if search or self.halo is None:
             self.renumber(u)
         u, du, f = self.spread(u), self.spread(du), np.zeros((self.halo.num_nodes, self.dim))
-        self.used = self.contact.used(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt)
+        self.used = self.contact.increment_used(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, self.dt)
         h = self.dt**2 if h is None else h
         self.contact.correct(self.halo, u.reshape(-1), du.reshape(-1), self.inverse, h, self.dt, f.reshape(-1))
         return u[: self.num], f[: self.num]

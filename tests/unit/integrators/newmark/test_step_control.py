@@ -15,7 +15,7 @@ def take(control, goal, iterations=3, error=None, limit=1000):
         assert len(steps) < limit
         step, time = control.next(time, goal)
         steps.append(step)
-        control.done(step, iterations, error(step) if error else None)
+        control.choose_next_step(step, iterations, error(step) if error else None)
     assert time == goal  # exactly
     return steps
 
@@ -36,18 +36,18 @@ def test_failed_steps_are_halved_and_grow_again():
     assert control.failed(0.1) and control.length == 0.05
     assert control.failed(0.05) and not control.failed(0.025)
     control.length = 0.025
-    control.done(0.025, FEW, None)
+    control.choose_next_step(0.025, FEW, None)
     assert control.length == 0.05
-    control.done(0.05, FEW + 1, None)  # neither easy nor hard: as it was
+    control.choose_next_step(0.05, FEW + 1, None)  # neither easy nor hard: as it was
     assert control.length == 0.05
-    control.done(0.05, FEW, None)
-    control.done(0.1, FEW, None)
+    control.choose_next_step(0.05, FEW, None)
+    control.choose_next_step(0.1, FEW, None)
     assert control.length == 0.1  # never more than the largest
 
 
 def test_many_iterations_shorten_the_next_step():
     control = StepControl(0.1, 0.02)
-    control.done(0.1, MANY + 1, None)
+    control.choose_next_step(0.1, MANY + 1, None)
     assert control.length == 0.05
 
 

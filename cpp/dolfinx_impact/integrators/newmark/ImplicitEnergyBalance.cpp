@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "EnergyAccount.h"
+#include "ImplicitEnergyBalance.h"
 
 namespace dolfinx_impact::integrators
 {
-void EnergyAccount::add_step(MPI_Comm comm, Forces forces, std::span<const double> before,
-                             std::span<const double> after, std::span<const std::array<double, 3>> from,
-                             std::span<const std::array<double, 3>> to)
+void ImplicitEnergyBalance::add_step(MPI_Comm comm, Forces forces, std::span<const double> before,
+                                     std::span<const double> after, std::span<const std::array<double, 3>> from,
+                                     std::span<const std::array<double, 3>> to)
 {
   std::array<double, 3> sums{};
   for (std::size_t i = 0; i < before.size(); ++i)

@@ -29,7 +29,7 @@ struct Works
 };
 
 /// Sums up the works of implicit steps by the trapezoidal rule; docs/implicit/energies.md.
-class EnergyAccount
+class ImplicitEnergyBalance
 {
 public:
   /// Forces at the present time.
