@@ -61,7 +61,6 @@ bool run()
   const auto hub = std::make_shared<fem::Constant<double>>(std::vector{0.0, -down}, std::vector{std::size_t(2)});
   const problems::BoundaryConditions bcs{
       std::make_shared<fem::DirichletBC<double>>(hub, fem::locate_dofs_geometrical(*V, at_radius(inner)), V)};
-
   const auto omega = std::make_shared<fem::Constant<double>>(speed / outer);
   const std::size_t num_nodes = V->dofmap()->index_map->size_local() + V->dofmap()->index_map->num_ghosts();
   rolling::Motion spin{rolling::Spin(), omega, std::vector<std::int32_t>(num_nodes)};
