@@ -17,7 +17,7 @@ sys.path.insert(0, str(HERE))
 import matplotlib.pyplot as plt  # noqa: E402
 from demo_figures import shrink  # noqa: E402
 
-from impact_studies.bench import history  # noqa: E402
+from impact_studies.bench import ratio_history  # noqa: E402
 
 
 def by_processor(lines):
@@ -33,7 +33,7 @@ def table(lines):
     out = []
     for processor, own in by_processor(lines).items():
         out += [processor, f"{'name':56s} {'cell':34s} {'last':>7s} {'lowest':>7s} {'highest':>7s} {'runs':>5s}"]
-        for (name, cell), runs in history.by_row(own).items():
+        for (name, cell), runs in ratio_history.by_row(own).items():
             ratios = [ratio for _, ratio in runs]
             numbers = f"{ratios[-1]:7.3g} {min(ratios):7.3g} {max(ratios):7.3g} {len(ratios):5d}"
             out.append(f"{name:56s} {cell:34s} {numbers}")
@@ -48,7 +48,7 @@ def figure(lines):
         len(processors), 1, figsize=(9, 3.6 * len(processors)), layout="constrained", squeeze=False
     )
     for ax, (processor, own) in zip(axes[:, 0], processors.items()):
-        rows = history.by_row(own)
+        rows = ratio_history.by_row(own)
         dates = list(dict.fromkeys((line["date"], line["commit"]) for line in own))
         change = {
             key: max(abs(ratio / runs[0][1] - 1.0) for _, ratio in runs) for key, runs in rows.items() if runs[0][1]
@@ -68,7 +68,7 @@ def figure(lines):
 
 
 def main(folder=HERE / "figures"):
-    lines = history.read(HERE / "bench_history.csv")
+    lines = ratio_history.read(HERE / "bench_history.csv")
     target = Path(folder)
     (target / "bench_history.txt").write_text(table(lines))
     path = target / "bench_history.png"

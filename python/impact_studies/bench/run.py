@@ -16,7 +16,7 @@ from pathlib import Path
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.io.hdf5 import write_whole
-from . import contact, explicit, force, history, laws, plastic, rolling, statics
+from . import contact, explicit, force, laws, plastic, ratio_history, rolling, statics
 from .rows import Job, impossible, measure
 
 
@@ -89,7 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         write_whole(path, json.dumps({"rows": rows, "machine": about}, indent=1) + "\n")
     complaints = impossible(rows)
     if args.history and not complaints:
-        history.append(args.history, rows, about, args.commit)
+        ratio_history.append(args.history, rows, about, args.commit)
     for complaint in complaints:
         print(f"bench: {complaint}", file=sys.stderr)
     return 1 if complaints else 0

@@ -6,7 +6,7 @@ import pathlib
 
 import pytest
 
-from impact_studies.bench import history
+from impact_studies.bench import ratio_history
 from impact_studies.bench.rows import row
 
 DOCS = pathlib.Path(__file__).parents[3] / "docs"
@@ -29,11 +29,11 @@ def figures():
 
 def test_runs_are_appended(tmp_path):
     path = tmp_path / "history.csv"
-    history.append(path, rows(1.0), MACHINE, "0123abcd")
+    ratio_history.append(path, rows(1.0), MACHINE, "0123abcd")
     first = path.read_text()
-    history.append(path, rows(1.5), MACHINE, "4567abcd (changed)")
+    ratio_history.append(path, rows(1.5), MACHINE, "4567abcd (changed)")
     assert path.read_text().startswith(first)
-    lines = history.read(path)
+    lines = ratio_history.read(path)
     assert [(line["commit"], line["name"], float(line["ratio"])) for line in lines] == [
         ("0123abcd", "force / A", 4.0),
         ("0123abcd", "steps / one rank", 1.5),
@@ -41,23 +41,23 @@ def test_runs_are_appended(tmp_path):
         ("4567abcd (changed)", "steps / one rank", 1.5),
     ]
     assert {line["processor"] for line in lines} == {"a processor"} and {line["load"] for line in lines} == {"0.2"}
-    assert history.by_row(lines)["force / A", "hexahedron P1"] == [("0123abcd", 4.0), ("4567abcd (changed)", 6.0)]
-    assert ("steps / one rank", "P1, 2 ranks") in history.by_row(lines)
+    assert ratio_history.by_row(lines)["force / A", "hexahedron P1"] == [("0123abcd", 4.0), ("4567abcd (changed)", 6.0)]
+    assert ("steps / one rank", "P1, 2 ranks") in ratio_history.by_row(lines)
 
 
 def test_another_file_is_not_changed(tmp_path):
     path = tmp_path / "other.csv"
     path.write_text("a,b\n1,2\n")
     with pytest.raises(ValueError, match="has the columns"):
-        history.append(path, rows(1.0), MACHINE, "0123abcd")
+        ratio_history.append(path, rows(1.0), MACHINE, "0123abcd")
     assert path.read_text() == "a,b\n1,2\n"
 
 
 def test_a_table_and_a_figure_for_each_processor(tmp_path):
     path = tmp_path / "history.csv"
     for processor, factor in (("one", 1.0), ("other", 2.0), ("one", 0.5)):
-        history.append(path, rows(factor), {**MACHINE, "processor": processor}, f"commit{factor}")
-    lines = history.read(path)
+        ratio_history.append(path, rows(factor), {**MACHINE, "processor": processor}, f"commit{factor}")
+    lines = ratio_history.read(path)
     table = figures().table(lines)
     assert table.split("\n\n")[0].splitlines()[2].split()[-4:] == ["2", "2", "4", "2"]  # last, lowest, highest, runs
     assert table.split("\n\n")[1].splitlines()[2].split()[-4:] == ["8", "8", "8", "1"]
@@ -67,5 +67,5 @@ def test_a_table_and_a_figure_for_each_processor(tmp_path):
 
 
 def test_the_table_of_the_page_is_that_of_the_file():
-    table = figures().table(history.read(DOCS / "bench_history.csv"))
+    table = figures().table(ratio_history.read(DOCS / "bench_history.csv"))
     assert (DOCS / "figures" / "bench_history.txt").read_text() == table, "run docs/bench_figures.py"
