@@ -14,6 +14,7 @@ from . import operators
 from ..forms.consistent_tangent import DIRECTION
 from .averaged_form import compile_columns, split_averages
 from .jit import compile_form
+from .packed_cells import packed_cells
 
 
 def _with_functions(form: ufl.Form) -> set[tuple[str, int]]:
@@ -135,29 +136,26 @@ class CellMatrices:
             Largest entry of matrix times translation over the largest entry of the matrix, for cells with a matrix that
             is not zero [1].
         """
-        mesh, bs, parts = self.space.mesh, self.space.dofmap.bs, []
+        mesh, bs = self.space.mesh, self.space.dofmap.bs
+        parts: list[FloatArray] = []
         for kernel, functions, entities, constants in self._integrals():
             if kernel.integral_type != "cell":
                 continue
-            for cell in entities[:count]:
-                w = np.zeros(sum(c["num_dofs"] for c in kernel.coefficients))
-                for c in kernel.coefficients:
-                    f = functions[c["name"]]
-                    dofs = f.function_space.dofmap.cell_dofs(cell)
-                    values = f.x.array.reshape(-1, f.function_space.dofmap.bs)[dofs]
-                    w[c["offset"] : c["offset"] + c["num_dofs"]] = values.ravel()
-                n = kernel.shape[0]
-                A, x = np.zeros((n, n)), np.ascontiguousarray(mesh.geometry.x[mesh.geometry.dofmap[cell]])
-                if kernel.rank == 2:
-                    kernel.tabulate(A.reshape(-1), w, constants, x.reshape(-1))
-                else:
-                    first = next(c["offset"] for c in kernel.coefficients if c["name"] == DIRECTION)
-                    for row, column in zip(A, range(first, first + n)):  # a column of the matrix
-                        w[column] = 1.0
-                        kernel.tabulate(row, w, constants, x.reshape(-1))
-                        w[column] = 0.0
-                    A = A.T
-                size = np.abs(A).max()
-                if size > 0.0:
-                    parts.append(np.abs(A @ np.tile(direction, n // bs)).max() / size)
-        return np.array(parts)
+            cells = entities[:count]
+            w, x = packed_cells(mesh, kernel, functions, cells)
+            n = kernel.shape[0]
+            A = np.zeros((len(cells), n, n))
+            if kernel.rank == 2:
+                kernel.tabulate_cells(A.ravel(), w.ravel(), constants, x.ravel(), len(cells))
+            else:
+                first = next(c["offset"] for c in kernel.coefficients if c["name"] == DIRECTION)
+                for k in range(n):  # a column of the matrices
+                    column = np.zeros((len(cells), n))
+                    w[:, first + k] = 1.0
+                    kernel.tabulate_cells(column.ravel(), w.ravel(), constants, x.ravel(), len(cells))
+                    w[:, first + k] = 0.0
+                    A[:, :, k] = column
+            size = np.abs(A).max(axis=(1, 2), initial=0.0)
+            moved = np.abs(A @ np.tile(direction, n // bs)).max(axis=1, initial=0.0)
+            parts.append(moved[size > 0.0] / size[size > 0.0])
+        return np.concatenate([np.zeros(0), *parts])

@@ -16,6 +16,7 @@ from ..forms import inertia
 from . import operators
 from .fields import Density, fields_of
 from .jit import compile_form
+from .packed_cells import packed_cells
 from .lumped_mass import mass_measure
 
 Densities = Sequence[tuple[int | None, Density]]  # by cell tag; None: all cells [M/L^3]
@@ -95,14 +96,9 @@ class ConsistentMass:
             (kernel,) = compiled.kernels
             constants = operators._constants(compiled, kernel)
             there = operators.entities_of(mesh._cpp_object, "cell", -1 if tag is None else tag, self.cell_tags)
-            for cell in np.intersect1d(there, cells):
-                w = np.zeros(sum(c["num_dofs"] for c in kernel.coefficients))
-                for c in kernel.coefficients:
-                    f = compiled.coefficients[c["position"]]
-                    dofmap = f.function_space.dofmap
-                    values = f.x.array.reshape(-1, dofmap.bs)[dofmap.cell_dofs(cell)]
-                    w[c["offset"] : c["offset"] + c["num_dofs"]] = values.ravel()
-                matrix = np.zeros((size, size))
-                x = np.ascontiguousarray(mesh.geometry.x[mesh.geometry.dofmap[cell]])
-                kernel.tabulate(matrix.reshape(-1), w, constants, x.reshape(-1))
-                yield int(cell), matrix
+            here = np.intersect1d(there, cells)
+            functions = {c["name"]: compiled.coefficients[c["position"]] for c in kernel.coefficients}
+            w, x = packed_cells(mesh, kernel, functions, here)
+            matrices = np.zeros((len(here), size, size))
+            kernel.tabulate_cells(matrices.ravel(), w.ravel(), constants, x.ravel(), len(here))
+            yield from zip(here.tolist(), matrices)
