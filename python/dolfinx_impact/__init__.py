@@ -24,7 +24,7 @@ from .contact import (
     RigidSurface,
 )
 from .dynamics.explicit import ExplicitProblem
-from .dynamics.implicit.problem import NewmarkProblem
+from .dynamics.implicit.newmark_problem import NewmarkProblem
 from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
 from .loads import BodyForce, FollowerPressure, Traction
@@ -40,8 +40,8 @@ from .io.deformed_body import DeformedBody
 from .io.mesh_reader import check_mesh, read_mesh
 from .assembly.operators import Energy, InternalForce, PointValues, Tangent
 from .rolling.motions import Spin, Translation
-from .rolling.problem import RollingProblem
-from .statics.problem import StaticProblem
+from .rolling.rolling_problem import RollingProblem
+from .statics.static_problem import StaticProblem
 
 undo_capture()
 abort_at_exit()

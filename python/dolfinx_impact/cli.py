@@ -241,15 +241,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return verify_main(argv[1:])
     if argv[:1] == ["compile"]:
-        from .compile.run import main as compile_main
+        from .compile.compile_command import main as compile_main
 
         return compile_main(argv[1:])
     if argv[:1] == ["creep"]:
-        from impact_studies.creep.run import main as creep_main
+        from impact_studies.creep.creep_command import main as creep_main
 
         return creep_main(argv[1:])
     if argv[:1] == ["joint"]:
-        from impact_studies.rail_joint.run import main as joint_main
+        from impact_studies.rail_joint.joint_command import main as joint_main
 
         return joint_main(argv[1:])
     if argv[:1] == ["study"]:
@@ -257,7 +257,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return study_main(argv[1:])
     if argv[:1] == ["bench"]:
-        from impact_studies.bench.run import main as bench_main
+        from impact_studies.bench.bench_command import main as bench_main
 
         return bench_main(argv[1:])
     arguments = _parser().parse_args(argv)

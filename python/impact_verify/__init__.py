@@ -53,7 +53,7 @@ def self_check(form: Any, name: str | None = None, **options: Any) -> SelfCheckR
         TypeError: `form` is nothing that can be checked.
         ValueError: unknown cell or check, or the form cannot be used.
     """
-    from .selfcheck.run import self_check as check
+    from .selfcheck.self_check import self_check as check
 
     return check(form, name, **options)
 

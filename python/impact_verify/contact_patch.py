@@ -14,7 +14,7 @@ from scipy.sparse import coo_matrix
 from dolfinx_impact import _cpp, contact
 from dolfinx_impact.common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from dolfinx_impact.materials import _Material
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from . import bodies
 from .contact_bodies import MASTER, SLAVE, TwoBodies, rule
 from .report import Report

@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from dolfinx_impact import contact, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from dolfinx_impact.common.types import FloatArray
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from .contact_bodies import steel
 
 CASES = (

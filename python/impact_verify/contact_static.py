@@ -15,7 +15,7 @@ from impact_reference.contact import ContactSolution
 from dolfinx_impact import contact
 from dolfinx_impact.common.types import BoolArray, FloatArray, IntArray
 from dolfinx_impact.materials import _Material
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from . import operator
 from .contact_bodies import BOTTOM, SLAVE, TOP, ObstaclePair, TwoBodies, rule, two_bodies
 from .contact_patch import Rows, match_points

@@ -19,7 +19,7 @@ from dolfinx_impact import materials
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import loads, quadrature
 from dolfinx_impact.loads import Load
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from . import bodies
 from .report import Report
 

@@ -19,7 +19,7 @@ from dolfinx_impact.dynamics.explicit import ExplicitProblem
 from dolfinx_impact.dynamics.run_history import ENERGIES
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.plasticity import J2Plasticity
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from . import bodies
 from .material import CASES, Case
 from .nodes import TheirRule

@@ -98,7 +98,7 @@ def _values() -> dict[str, Any]:
 
     from dolfinx_impact import loads, materials
     from dolfinx_impact.assembly import lumped_mass, operators
-    from dolfinx_impact.statics.problem import StaticProblem
+    from dolfinx_impact.statics.static_problem import StaticProblem
 
     comm = MPI.COMM_WORLD
     out = contact_ranks.values(comm, _gather) | explicit_ranks.values(comm, _gather)

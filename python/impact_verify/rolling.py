@@ -14,7 +14,7 @@ from impact_reference import RollingSolution
 
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from dolfinx_impact.common.types import FloatArray, IntArray
-from dolfinx_impact.rolling.problem import RollingProblem
+from dolfinx_impact.rolling.rolling_problem import RollingProblem
 from . import bodies
 from .report import Report
 from .rolling_bodies import OMEGA, RollingCase

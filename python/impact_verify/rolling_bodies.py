@@ -21,7 +21,7 @@ from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.materials import _Material
 from dolfinx_impact.rolling.motions import Spin, Translation
-from dolfinx_impact.rolling.problem import RollingProblem
+from dolfinx_impact.rolling.rolling_problem import RollingProblem
 from . import operator
 from .contact_bodies import MASTER, SLAVE, ObstaclePair, TwoBodies, _box, rule
 from .nodes import TheirRule

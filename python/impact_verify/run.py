@@ -33,7 +33,7 @@ from . import operator as operator_level
 from .model_warnings import model_warnings_off
 from .report import Report
 from .selfcheck import page
-from .selfcheck import run as selfcheck
+from .selfcheck import self_check as selfcheck
 
 LEVELS = (
     "element", "operator", "material", "solution", "spectrum", "order", "derivative", "contact", "history", "rolling",

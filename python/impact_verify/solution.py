@@ -16,7 +16,7 @@ from dolfinx_impact import loads, materials
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.foundation import Foundation
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from . import bodies
 from .nodes import TheirRule
 from .report import Report

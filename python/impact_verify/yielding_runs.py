@@ -9,7 +9,7 @@ from impact_reference import NewmarkScheme
 
 from dolfinx_impact import materials
 from dolfinx_impact.common.types import FloatArray
-from dolfinx_impact.dynamics.implicit.problem import NewmarkProblem
+from dolfinx_impact.dynamics.implicit.newmark_problem import NewmarkProblem
 from . import history, plastic_bodies
 from .report import Report
 from .scenarios import our_adapter, their_adapter

@@ -11,10 +11,10 @@ from mpi4py import MPI
 from own_forms import displacement, hooke, neo_hooke, strain
 
 import dolfinx_impact as di
-from dolfinx_impact.dynamics.implicit.problem import NewmarkProblem
+from dolfinx_impact.dynamics.implicit.newmark_problem import NewmarkProblem
 from impact_verify import OwnForm, self_check
 from impact_verify.selfcheck import file, kernels, parameters
-from impact_verify.selfcheck.run import CHECKS
+from impact_verify.selfcheck.self_check import CHECKS
 
 
 @pytest.fixture(autouse=True)

@@ -14,7 +14,7 @@ from dolfinx_impact._cpp.integrators import ImplicitScheme
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
 from dolfinx_impact.contact.penalty.quadrature_penalty import QuadraturePenalty
 from dolfinx_impact.assembly.consistent_mass import ConsistentMass
-from dolfinx_impact.dynamics.implicit import problem as implicit_problem
+from dolfinx_impact.dynamics.implicit import newmark_problem as implicit_problem
 from dolfinx_impact.dynamics.implicit.damping import DampingForce
 from dolfinx_impact.dynamics.implicit.mass_redistribution import MassRedistribution
 from impact_verify import cross_check, history, yielding_runs

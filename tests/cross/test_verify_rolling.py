@@ -10,7 +10,7 @@ import ufl
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.forms import ale
-from dolfinx_impact.rolling.contact import RollingContact
+from dolfinx_impact.rolling.rolling_contact import RollingContact
 from dolfinx_impact.rolling.flow import Flow
 from dolfinx_impact.rolling.motions import Translation
 from impact_verify import cross_check, rolling, run

@@ -9,7 +9,7 @@ import ufl
 from fault_injection import assert_caught, assert_healthy, scaled
 
 import dolfinx_impact as di
-from dolfinx_impact.statics import problem
+from dolfinx_impact.statics import static_problem
 from dolfinx_impact.forms import elasticity, materials, quadrature
 from impact_verify import bodies, solution, spectrum
 from impact_verify.report import Report
@@ -76,14 +76,14 @@ def test_a_load_off_by_one_millionth(monkeypatch):
 
 
 def test_a_reaction_of_the_wrong_sign(monkeypatch):
-    right = problem.StaticProblem.reactions
+    right = static_problem.StaticProblem.reactions
 
     def wrong(self):
         r = right(self)
         r.x.array[:] *= -1
         return r
 
-    monkeypatch.setattr(problem.StaticProblem, "reactions", wrong)
+    monkeypatch.setattr(static_problem.StaticProblem, "reactions", wrong)
     found = assert_caught(block(), "solution", FORM, "reactions of the block")
     assert found.difference == pytest.approx(2.0)
 

@@ -94,11 +94,16 @@ def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "command, module", (("verify", "verify.run"), ("compile", "compile.run"), ("bench", "bench.run"))
+    "command, module",
+    (
+        ("verify", "impact_verify.run"),
+        ("compile", "dolfinx_impact.compile.compile_command"),
+        ("bench", "impact_studies.bench.bench_command"),
+    ),
 )
 def test_commands_with_options_of_their_own_get_their_arguments(command, module, monkeypatch):
     seen = []
-    stand_in = types.ModuleType(f"dolfinx_impact.{module}")
+    stand_in = types.ModuleType(module)
     stand_in.main = lambda arguments: seen.append(arguments) or 3
     monkeypatch.setitem(sys.modules, stand_in.__name__, stand_in)
     assert cli.main([command, "--json", "out.json", "--help"]) == 3

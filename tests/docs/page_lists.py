@@ -9,10 +9,10 @@ NUMBERS = "zero one two three four five six seven eight nine ten eleven twelve t
 NUMBERS = (NUMBERS + " seventeen eighteen nineteen twenty").split()
 # Problems by the words that pages use for them.
 PROBLEMS = {
-    "static": ("statics/problem.py", "StaticProblem"),
+    "static": ("statics/static_problem.py", "StaticProblem"),
     "explicit": ("dynamics/explicit.py", "ExplicitProblem"),
-    "implicit": ("dynamics/implicit/problem.py", "NewmarkProblem"),
-    "rolling": ("rolling/problem.py", "RollingProblem"),
+    "implicit": ("dynamics/implicit/newmark_problem.py", "NewmarkProblem"),
+    "rolling": ("rolling/rolling_problem.py", "RollingProblem"),
 }
 
 

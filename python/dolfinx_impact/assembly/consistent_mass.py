@@ -101,4 +101,4 @@ class ConsistentMass:
             w, x = packed_cells(mesh, kernel, functions, here)
             matrices = np.zeros((len(here), size, size))
             kernel.tabulate_cells(matrices.ravel(), w.ravel(), constants, x.ravel(), len(here))
-            yield from zip(here.tolist(), matrices)
+            yield from zip(map(int, here), matrices)

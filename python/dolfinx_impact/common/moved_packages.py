@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Packages that lie beside this one now: their modules are still found under the names that they had here."""
+"""Packages that lie beside this one now, and modules with another name: they are still found under the former one."""
 
 import importlib
 import sys
@@ -9,7 +9,17 @@ from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from types import ModuleType
 
-MOVED = {
+MOVED = {  # what belongs to a package that has moved is before the package
+    "dolfinx_impact.dynamics.implicit.problem": "dolfinx_impact.dynamics.implicit.newmark_problem",
+    "dolfinx_impact.rolling.contact": "dolfinx_impact.rolling.rolling_contact",
+    "dolfinx_impact.rolling.problem": "dolfinx_impact.rolling.rolling_problem",
+    "dolfinx_impact.statics.problem": "dolfinx_impact.statics.static_problem",
+    "dolfinx_impact.theory.bodies": "dolfinx_impact.theory.elastic_bodies",
+    "dolfinx_impact.bench.contact": "impact_studies.bench.contact_rows",
+    "dolfinx_impact.bench.run": "impact_studies.bench.bench_command",
+    "dolfinx_impact.creep.run": "impact_studies.creep.creep_command",
+    "dolfinx_impact.rail_joint.run": "impact_studies.rail_joint.joint_command",
+    "dolfinx_impact.verify.selfcheck.run": "impact_verify.selfcheck.self_check",
     "dolfinx_impact.bench": "impact_studies.bench",
     "dolfinx_impact.creep": "impact_studies.creep",
     "dolfinx_impact.rail_joint": "impact_studies.rail_joint",

@@ -53,8 +53,8 @@ from .transient_problem import TransientProblem
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalPair
     from ..contact.penalty.penalty import Penalty
-    from ..rolling.problem import RollingProblem
-    from ..statics.problem import StaticProblem
+    from ..rolling.rolling_problem import RollingProblem
+    from ..statics.static_problem import StaticProblem
 
 
 class ExplicitProblem(TransientProblem):

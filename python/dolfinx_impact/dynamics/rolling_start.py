@@ -17,7 +17,7 @@ from ..contact.penalty.penalty import Penalty
 from ..materials import LinearElastic
 from ..plasticity import J2Plasticity
 from ..rolling.motions import Spin, Translation
-from ..rolling.problem import RollingProblem
+from ..rolling.rolling_problem import RollingProblem
 from .started_problem import StartedProblem
 
 ALONG = 1e-12  # of a unit vector: an axis is a coordinate axis

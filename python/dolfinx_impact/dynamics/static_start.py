@@ -10,7 +10,7 @@ from dolfinx import fem
 
 from ..assembly import problem_arguments
 from ..contact.penalty.penalty import Penalty
-from ..statics.problem import StaticProblem
+from ..statics.static_problem import StaticProblem
 from .started_problem import StartedProblem
 
 

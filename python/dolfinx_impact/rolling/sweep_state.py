@@ -16,7 +16,7 @@ from ..contact.saved_contacts import add_contacts, resume_contacts
 from ..io.checkpoint import Place, State
 
 if TYPE_CHECKING:
-    from ..statics.problem import StaticProblem
+    from ..statics.static_problem import StaticProblem
 
 
 class SweepState:

@@ -13,7 +13,7 @@ from ..forms import plasticity
 from ..materials import MaterialMap
 from ..plasticity import J2Plasticity
 from ..statics.material_body import MaterialBody
-from ..statics.problem import Report, StaticProblem
+from ..statics.static_problem import Report, StaticProblem
 from .flow import Flow
 from .motions import Spin
 from .point_lines import PointLines

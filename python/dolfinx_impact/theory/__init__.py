@@ -8,7 +8,7 @@ attributes carry their units, and they draw themselves with `.plot(ax)`; a singl
 A radius is positive for a convex body, negative for a concave one, np.inf for a flat one; E = np.inf is a rigid body.
 """
 
-from .bodies import Bodies, effective_modulus
+from .elastic_bodies import Bodies, effective_modulus
 from .curvature import RelativeCurvature, profile, relative_curvature
 from .dissimilar import BondedIndentation, Dundurs, bentall_johnson, bonded_indentation, dundurs
 from .foundation import WinklerContact, winkler

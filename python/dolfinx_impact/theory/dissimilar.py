@@ -11,7 +11,7 @@ import scipy
 
 from . import checks
 from ..common.types import AnyArray, ArrayLike, FloatArray
-from .bodies import Bodies
+from .elastic_bodies import Bodies
 from .hertz import HertzLine, hertz_line
 from .result import Result
 

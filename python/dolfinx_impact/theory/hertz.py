@@ -9,7 +9,7 @@ import numpy as np
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
-from .bodies import Bodies
+from .elastic_bodies import Bodies
 from .curvature import relative_radius
 from .result import Result
 from .stress import Stress, largest

@@ -13,7 +13,7 @@ import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
-from .bodies import Bodies
+from .elastic_bodies import Bodies
 from .curvature import RelativeCurvature, relative_curvature
 from .result import Result
 

@@ -11,7 +11,7 @@ import scipy
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
-from .bodies import Bodies
+from .elastic_bodies import Bodies
 from .curvature import relative_radius
 from .result import Result
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import checks
 from ..common.types import ArrayLike, FloatArray
-from .bodies import Bodies
+from .elastic_bodies import Bodies
 from .result import Result
 
 

@@ -12,9 +12,9 @@ from dolfinx_impact.common.types import ArrayLike, FilePath, FloatArray
 from dolfinx_impact.contact import ContactPair, Lagrange
 from dolfinx_impact.materials import LinearElastic, StVenantKirchhoff
 from dolfinx_impact.rolling.motions import Spin, Translation
-from dolfinx_impact.rolling.problem import RollingProblem
-from dolfinx_impact.rolling.contact import RollingContact
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.rolling.rolling_problem import RollingProblem
+from dolfinx_impact.rolling.rolling_contact import RollingContact
+from dolfinx_impact.statics.static_problem import StaticProblem
 from .parameters import WheelOnRail
 
 ACCURACY = 1e-4  # of the load: what the approach is searched to

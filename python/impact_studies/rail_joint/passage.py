@@ -22,7 +22,7 @@ from dolfinx_impact.dynamics.subject import in_time
 from dolfinx_impact.io import checkpoint
 from dolfinx_impact.io.checkpoint import Place, State
 from dolfinx_impact.io.gather import gather_rows
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from .model import JointModel
 from .way_bar import WayBar
 

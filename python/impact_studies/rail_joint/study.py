@@ -22,7 +22,7 @@ from dolfinx_impact.common.end_with_parent import command_of
 from dolfinx_impact.io import plots
 from dolfinx_impact.io.run_folder import RunFolder
 from .parameters import END_POSTS, PRESETS, RailJoint, Study
-from .run import parameters
+from .joint_command import parameters
 
 # Options of the command: parameter, factor to SI units, unit of bare numbers.
 VARIED = {

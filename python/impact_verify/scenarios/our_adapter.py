@@ -14,7 +14,7 @@ from dolfinx_impact.added_mass import AddedMass
 from dolfinx_impact.amplitude import PrescribedMotion
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
-from dolfinx_impact.dynamics.implicit.problem import NewmarkProblem
+from dolfinx_impact.dynamics.implicit.newmark_problem import NewmarkProblem
 from dolfinx_impact.dynamics.run_history import ENERGIES
 from dolfinx_impact.foundation import Foundation
 from dolfinx_impact.loads import BodyForce, Load

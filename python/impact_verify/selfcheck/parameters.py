@@ -7,7 +7,7 @@ import numpy as np
 from dolfinx import fem
 
 from dolfinx_impact.common.types import FloatArray
-from dolfinx_impact.dynamics.implicit.problem import NewmarkProblem
+from dolfinx_impact.dynamics.implicit.newmark_problem import NewmarkProblem
 from .assembled import AssembledForm, quick_form
 from .fields import fields_of
 from .findings import Curve, Picture

@@ -3,7 +3,7 @@
 
 import pytest
 
-from impact_studies.bench import contact as bench_contact
+from impact_studies.bench import contact_rows as bench_contact
 
 pytestmark = pytest.mark.alone
 

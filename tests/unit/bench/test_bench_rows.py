@@ -11,13 +11,13 @@ import pytest
 from rich.console import Console
 
 from dolfinx_impact import _cpp
-from impact_studies.bench import contact as bench_contact
+from impact_studies.bench import contact_rows as bench_contact
 from impact_studies.bench import explicit as bench_explicit
 from impact_studies.bench import force
 from impact_studies.bench import laws as bench_laws
 from impact_studies.bench import plastic as bench_plastic
 from impact_studies.bench import rolling as bench_rolling
-from impact_studies.bench import rows, run
+from impact_studies.bench import rows, bench_command
 from impact_studies.bench import statics as bench_statics
 from impact_studies.bench.setup import CASES, FINITE
 
@@ -73,13 +73,13 @@ def test_the_command_fails_with_such_a_row(monkeypatch, capsys, tmp_path):
     right = rows.row("force / A", "hexahedron P1", 1, 3.0, "million cells/s", 1.0)
     monkeypatch.setattr(_cpp.bench, "triad_bandwidth", lambda: 1e10)
     monkeypatch.setattr(_cpp.bench, "peak_flops", lambda: 1e9)
-    monkeypatch.setattr(run, "jobs", lambda *_: [("one", lambda: [right]), ("two", lambda: [wrong])])
-    assert run.main(["--json", str(tmp_path / "new" / "bench.json")]) == 1
+    monkeypatch.setattr(bench_command, "jobs", lambda *_: [("one", lambda: [right]), ("two", lambda: [wrong])])
+    assert bench_command.main(["--json", str(tmp_path / "new" / "bench.json")]) == 1
     shown = capsys.readouterr()
     assert "force / A" in shown.out and "3.10 times the peak" in shown.err and rows.PEAK in shown.err
     assert json.loads((tmp_path / "new" / "bench.json").read_text())["rows"] == [right, wrong]
-    monkeypatch.setattr(run, "jobs", lambda *_: [("one", lambda: [right])])
-    assert run.main([]) == 0
+    monkeypatch.setattr(bench_command, "jobs", lambda *_: [("one", lambda: [right])])
+    assert bench_command.main([]) == 0
 
 
 def test_rows_are_printed_as_they_come():
@@ -99,7 +99,7 @@ def test_rows_are_printed_as_they_come():
 
 def test_jobs_are_all_measurements():
     """A job per case, so that the bar moves; what the options add."""
-    small, large = run.jobs(1e10, 1e9), run.jobs(1e10, 1e9, large=True, ranks=2)
+    small, large = bench_command.jobs(1e10, 1e9), bench_command.jobs(1e10, 1e9, large=True, ranks=2)
     files = (bench_explicit, bench_plastic, bench_laws, bench_statics)
     contact = bench_contact.jobs(False) + bench_rolling.jobs(False)
     forces = len(CASES) + 2 * len(FINITE) + len(force.RANK_CELLS)

@@ -25,10 +25,10 @@ def test_the_door_leads_to_the_package():
     "former, now",
     [
         ("dolfinx_impact.verify.report", "impact_verify.report"),
-        ("dolfinx_impact.verify.selfcheck.run", "impact_verify.selfcheck.run"),
+        ("dolfinx_impact.verify.selfcheck.run", "impact_verify.selfcheck.self_check"),
         ("dolfinx_impact.creep", "impact_studies.creep"),
         ("dolfinx_impact.creep.model", "impact_studies.creep.model"),
-        ("dolfinx_impact.rail_joint.run", "impact_studies.rail_joint.run"),
+        ("dolfinx_impact.rail_joint.run", "impact_studies.rail_joint.joint_command"),
         ("dolfinx_impact.bench.rows", "impact_studies.bench.rows"),
     ],
 )

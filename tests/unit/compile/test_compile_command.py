@@ -10,7 +10,7 @@ import sys
 import pytest
 
 import dolfinx_impact
-from dolfinx_impact.compile import run
+from dolfinx_impact.compile import compile_command
 
 PACKAGE = pathlib.Path(dolfinx_impact.__file__).parent
 
@@ -90,7 +90,9 @@ ELSEWHERE = '#include "spring.h"\nstd::size_t number_elsewhere() { return spring
 
 
 def compiled(folder, *arguments):
-    return run.run(run.parser().parse_args([str(folder / arguments[0]), *map(str, arguments[1:])]))
+    return compile_command.run(
+        compile_command.parser().parse_args([str(folder / arguments[0]), *map(str, arguments[1:])])
+    )
 
 
 def test_the_header_alone_in_a_program(tmp_path):

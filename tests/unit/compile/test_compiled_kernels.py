@@ -16,7 +16,7 @@ from dolfinx_impact.own_forms import distorted_block
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.assembly import jit
-from dolfinx_impact.compile import run
+from dolfinx_impact.compile import compile_command
 from dolfinx_impact.forms import registry
 from dolfinx_impact.forms.quadrature import with_rules
 
@@ -32,7 +32,10 @@ def compiler(*arguments):
 
 def written(file, folder, *options):
     """Kernels of a file by the kind of each, from header and source in a folder."""
-    assert run.run(run.parser().parse_args([str(file), "-o", str(folder), *map(str, options)])) == 0
+    assert (
+        compile_command.run(compile_command.parser().parse_args([str(file), "-o", str(folder), *map(str, options)]))
+        == 0
+    )
     source = folder / f"{file.stem}.cpp"
     symbols = [
         line.split()[-1][:-1] for line in source.read_text().splitlines() if line.startswith('extern "C" __attr')
@@ -177,7 +180,12 @@ def test_a_form_on_a_symbolic_mesh(tmp_path, rng):
     """One kernel for each integral; coefficients and constants have the names of the file's variables."""
     file = tmp_path / "springs.py"
     file.write_text(SYMBOLIC)
-    assert run.run(run.parser().parse_args([str(file), "-o", str(tmp_path / "springs.h"), "--kernels", "force"])) == 0
+    assert (
+        compile_command.run(
+            compile_command.parser().parse_args([str(file), "-o", str(tmp_path / "springs.h"), "--kernels", "force"])
+        )
+        == 0
+    )
     namespace = runpy.run_path(str(file))
     names = {namespace[name]: name for name in ("u", "heat", "mu", "k")}
     theirs = jit.compile_form(namespace["F"], names, MPI.COMM_SELF).kernels

@@ -8,36 +8,36 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from impact_studies.creep import run
+from impact_studies.creep import creep_command
 from impact_studies.creep.model import CreepModel
 from impact_studies.creep.parameters import WheelOnRail
 
 
 def test_sequences():
-    np.testing.assert_allclose(run.sequence("0:3e-3:4"), [0.0, 1e-3, 2e-3, 3e-3])
-    np.testing.assert_allclose(run.sequence("1e-3,2e-3"), [1e-3, 2e-3])
-    np.testing.assert_allclose(run.sequence("0.5"), [0.5])
+    np.testing.assert_allclose(creep_command.sequence("0:3e-3:4"), [0.0, 1e-3, 2e-3, 3e-3])
+    np.testing.assert_allclose(creep_command.sequence("1e-3,2e-3"), [1e-3, 2e-3])
+    np.testing.assert_allclose(creep_command.sequence("0.5"), [0.5])
     for text in ("0:1", "0:1:0", "a", "0:1:2:3", "nan", "1,,2", ""):
         with pytest.raises(argparse.ArgumentTypeError, match="FIRST:LAST:COUNT|finite"):
-            run.sequence(text)
+            creep_command.sequence(text)
 
 
 @pytest.mark.parametrize("argument", ["--creep=0:1", "--lateral=5", "--spin=1:2:1000000000", "--creep=nan"])
 def test_sequences_that_cannot_be_used(argument, capsys):
     with pytest.raises(SystemExit) as exit:
-        run.main([argument])
+        creep_command.main([argument])
     assert exit.value.code == 2 and argument.split("=")[0] in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("argument", ["--load=-1", "--friction=0", "--radius=inf", "--speed=fast", "--cells=1.5"])
 def test_numbers_that_cannot_be_used(argument, capsys):
-    assert run.main([argument]) == 2
+    assert creep_command.main([argument]) == 2
     said = capsys.readouterr().out
     assert f"{argument.split('=')[0][2:]} is " in said and "give a" in said
 
 
 def test_wheels_that_cannot_be_used(tmp_path, capsys):
-    assert run.main(["--crown-radius", "0.01", "--output", str(tmp_path)]) == 2
+    assert creep_command.main(["--crown-radius", "0.01", "--output", str(tmp_path)]) == 2
     assert "crown_radius" in capsys.readouterr().out
 
 
@@ -61,10 +61,10 @@ def test_an_approach_that_bears_nothing(forces):
 def test_points_of_another_wheel_are_refused_and_stay(tmp_path, capsys):
     """With the parameters that belong to them."""
     given = ["--cells", "1", "--reach", "2.5", "--creep", "1e-3", "--output", str(tmp_path)]
-    assert run.main(given) == 0
+    assert creep_command.main(given) == 0
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     capsys.readouterr()
-    assert run.main([*given, "--load", "90 kN"]) == 2
+    assert creep_command.main([*given, "--load", "90 kN"]) == 2
     assert "dolfinx-impact creep: " in capsys.readouterr().out
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
 
@@ -72,7 +72,7 @@ def test_points_of_another_wheel_are_refused_and_stay(tmp_path, capsys):
 def test_files(tmp_path, capsys):
     """Lateral creep: the whole contact; the force is against the creep, and there is a table and a picture."""
     given = ["--cells", "2", "--creep", "1e-3", "--lateral", "0:2e-3:2", "--output", str(tmp_path)]
-    assert run.main(given) == 0
+    assert creep_command.main(given) == 0
     assert "unknowns" in capsys.readouterr().out
     with open(tmp_path / "curve.csv", newline="") as file:
         rows = [row for row in csv.reader(line for line in file if not line.startswith("#"))]

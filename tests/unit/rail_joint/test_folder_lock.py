@@ -122,7 +122,7 @@ def test_a_case_whose_folder_has_an_equals_sign(tmp_path, monkeypatch):
     job.start()
     (command,) = started
     arguments = command[command.index("joint") + 1 :]
-    from impact_studies.rail_joint import run
+    from impact_studies.rail_joint import joint_command
 
-    given = run.parser().parse_args(arguments)
-    assert run.parameters(given.values, given.parameters) == study.RailJoint()
+    given = joint_command.parser().parse_args(arguments)
+    assert joint_command.parameters(given.values, given.parameters) == study.RailJoint()

@@ -7,7 +7,7 @@ import pytest
 
 import dolfinx_impact as di
 from impact_studies.rail_joint import RailJoint
-from impact_studies.rail_joint.run import main, parameters
+from impact_studies.rail_joint.joint_command import main, parameters
 
 
 def test_a_file_says_what_the_object_has(tmp_path):

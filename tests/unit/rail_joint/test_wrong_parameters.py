@@ -5,9 +5,9 @@ import math
 
 import pytest
 
-from impact_studies.creep import run as creep
+from impact_studies.creep import creep_command as creep
 from impact_studies.creep.parameters import WheelOnRail
-from impact_studies.rail_joint import run as joint
+from impact_studies.rail_joint import joint_command as joint
 from impact_studies.rail_joint import study
 from impact_studies.rail_joint.parameters import RailJoint, Study
 

@@ -11,7 +11,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 import dolfinx_impact as di
-from impact_studies.bench import contact as bench_contact
+from impact_studies.bench import contact_rows as bench_contact
 from dolfinx_impact import _cpp
 from dolfinx_impact.statics import linear_solver
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact

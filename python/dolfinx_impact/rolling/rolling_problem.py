@@ -29,9 +29,9 @@ from ..loads import Load
 from ..materials import MaterialMap, _Material
 from ..statics.linear_solver import LinearSolver
 from ..statics.load_steps import Limits, Report
-from ..statics.problem import StaticProblem
+from ..statics.static_problem import StaticProblem
 from . import inputs, revolution, sweep
-from .contact import RollingContact, RollingLagrange
+from .rolling_contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .power_balance import PowerBalance

@@ -70,7 +70,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     args = parser().parse_args(given)
     if sys.flags.hash_randomization:
         # FFCx numbers tables of equal size by hashes, which chance changes: the same file must give the same header.
-        command = [sys.executable, "-m", f"{__package__}.run", *given]
+        command = [sys.executable, "-m", f"{__package__}.compile_command", *given]
         return subprocess.run(command_of(command), env={**os.environ, "PYTHONHASHSEED": "0"}).returncode
     return run(args)
 

@@ -36,7 +36,7 @@ from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
-from ...statics.bodies import external_work, make_body
+from ...statics.make_body import external_work, make_body
 from ...statics.material_body import MaterialBody, history_of
 from ...statics.linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..energy_gain import release_limit

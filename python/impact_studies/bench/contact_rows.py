@@ -19,7 +19,7 @@ from dolfinx_impact import materials, meshes  # type: ignore[attr-defined,unused
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.contact.mortar.lagrange import Lagrange, LagrangeContact
 from dolfinx_impact.contact.pair import ContactPair
-from dolfinx_impact.statics.problem import StaticProblem
+from dolfinx_impact.statics.static_problem import StaticProblem
 from .rows import Job, Row, row
 
 RTOL = 1e-10

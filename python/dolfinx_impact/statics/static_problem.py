@@ -25,7 +25,7 @@ from ..assembly.quadrature_degree import warn_of_degree
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard
 from ..common.interrupts import Interrupts
-from .bodies import make_body
+from .make_body import make_body
 from .body import Body
 from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
