@@ -59,7 +59,15 @@ def project_files(root):
 
 # What a checkout has at its top: folders, then files. Whatever else lies there was left by a run.
 TOP = {".ci", "cpp", "demos", "docs", "env", "forms", "meshes", "python", "tests"}
-TOP |= {".clang-format", ".clang-tidy", ".flake8", ".gitignore", ".pre-commit-config.yaml", "Makefile", "pyproject.toml"}
+TOP |= {
+    ".clang-format",
+    ".clang-tidy",
+    ".flake8",
+    ".gitignore",
+    ".pre-commit-config.yaml",
+    "Makefile",
+    "pyproject.toml",
+}
 TOP |= {"CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md"}
 
 
@@ -247,7 +255,7 @@ def import_circles(root):
     """
     base = pathlib.Path(root).resolve() / "python"
     modules = {}
-    for package in ("dolfinx_impact", *BESIDE):
+    for package in ("dolfinx_impact", "impact_reference", *BESIDE):
         modules |= _modules(base, package)
     imported = {name: _imports(name, modules) for name in modules}
     reached = {}
