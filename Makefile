@@ -8,7 +8,7 @@ PYTEST ?= python3 -m pytest
 .DEFAULT_GOAL := help
 # What is measured: the commit, and whether sources differ from it.
 COMMIT = $(shell git rev-parse --short=8 HEAD)$(shell git diff --quiet HEAD -- . ':!docs' || echo ' (changed)')
-.PHONY: help demo test verify matrix bench docs notebooks public-names shell lint format stub clean lint-here formats-here \
+.PHONY: help demo test verify matrix bench coverage docs notebooks public-names shell lint format stub clean lint-here formats-here \
   types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
@@ -51,6 +51,9 @@ lint: ## formatters in check mode, flake8, mypy, the rules of the tree
 
 sanitize: ## the C++ library and its tests with address and undefined-behaviour sanitizers (a long build)
 	$(RUN) --no-build make sanitize-here
+
+coverage: ## which lines of Python and C++ the tests run, and which none does; writes results/coverage (a long run)
+	IMPACT_BUILD=$(COVERAGE) SKBUILD_CMAKE_ARGS=-DIMPACT_COVERAGE=ON $(RUN) make coverage-here
 
 tidy: ## clang-tidy on the C++ library and the hand-written solver (a part: make tidy FILES="cpp/dolfinx_impact/gap/*.cpp")
 	$(RUN) --no-build make tidy-here
@@ -140,6 +143,24 @@ sanitize-here:
 	    $$(grep -qw avx512dq /proc/cpuinfo && echo functions_avx512); do \
 	  ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1 $(SANITIZE)/tests/$$program || exit 1; done
 	@echo "sanitize: nothing found"
+
+# An install of its own, whose Python counts lines in every process that the tests start, and whose C++ library does. What
+# fails does not keep the others from being counted.
+COVERAGE := build/coverage
+COVERED := COVERAGE_PROCESS_START=$(CURDIR)/pyproject.toml COVERAGE_FILE=$(CURDIR)/$(COVERAGE)/data/python
+coverage-here:
+	rm -rf $(COVERAGE)/data results/coverage && mkdir -p $(COVERAGE)/data results/coverage
+	find $(COVERAGE)/release -name '*.gcda' -delete
+	site=$$(python3 -c 'import sysconfig; print(sysconfig.get_path("purelib"))') && \
+	  echo 'import coverage; coverage.process_startup()' >"$$site/coverage_of_processes.pth"
+	@status=0; $(COVERED) COVERAGE_CORE=sysmon $(MAKE) --no-print-directory test-here || status=1; \
+	$(COVERED) python3 -m coverage combine --quiet --rcfile=pyproject.toml && \
+	$(COVERED) python3 -m coverage json --quiet -o results/coverage/python.json && \
+	$(COVERED) python3 -m coverage html --quiet -d results/coverage/python && \
+	gcovr --root . --filter cpp/ --gcov-ignore-parse-errors=all --merge-mode-functions=separate -j2 \
+	  --json results/coverage/cpp.json $(COVERAGE)/release && \
+	gcovr --root . --add-tracefile results/coverage/cpp.json --html-nested results/coverage/cpp.html && \
+	python3 tests/never_run.py results/coverage/python.json results/coverage/cpp.json results/coverage && exit $$status
 
 FILES ?= $(shell find cpp/dolfinx_impact cpp/reference -name '*.cpp' | sort)
 tidy-here:

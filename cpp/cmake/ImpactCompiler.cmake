@@ -9,6 +9,12 @@ if(IMPACT_SANITIZE)
   target_compile_options(impact_flags INTERFACE -fsanitize=${IMPACT_SANITIZE} -fno-omit-frame-pointer -g1)
   target_link_options(impact_flags INTERFACE -fsanitize=${IMPACT_SANITIZE})
 endif()
+# Lines that run are counted, for `make coverage`; generated kernels, which are not compiled with these flags, are left out.
+# Counts of threads and of processes that end at the same time are added up. More optimisation would lose lines.
+if(IMPACT_COVERAGE)
+  target_compile_options(impact_flags INTERFACE -O1 --coverage -fprofile-update=atomic)
+  target_link_options(impact_flags INTERFACE --coverage)
+endif()
 
 # In C++20 libstdc++'s <chrono>, which DOLFINx includes by way of spdlog, brings the printing of times and with it all of
 # <format>. Every source instantiates that anew, which takes half a second. Nothing here prints times of <chrono>; whatever

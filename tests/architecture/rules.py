@@ -57,6 +57,17 @@ def project_files(root):
     return sorted(root / name for name in set(names) if name and (root / name).is_file())
 
 
+# What a checkout has at its top: folders, then files. Whatever else lies there was left by a run.
+TOP = {".ci", "cpp", "demos", "docs", "env", "forms", "meshes", "python", "tests"}
+TOP |= {".clang-format", ".clang-tidy", ".flake8", ".gitignore", ".pre-commit-config.yaml", "Makefile", "pyproject.toml"}
+TOP |= {"CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE", "README.md"}
+
+
+def top_violations(root):
+    """Files and folders at the top of the project that are none of its parts."""
+    return sorted({path.relative_to(root).parts[0] for path in project_files(root)} - TOP)
+
+
 def text_of(path):
     """Content of a text file; None for a binary one."""
     data = path.read_bytes()

@@ -325,6 +325,12 @@ def test_machine_paths_pass_ordinary_text(tree):
     assert rules.machine_paths(tree({"docs/a.md": text, "a.bin": "\0/ro" + "ot/"})) == []
 
 
+def test_what_a_run_left_at_the_top_is_seen(tree):
+    good = {"README.md": "", "cpp/plain/Mesh.h": "", "results/bench.json": "", "tests/conftest.py": ""}
+    assert rules.top_violations(tree(good)) == []
+    assert rules.top_violations(tree({"report.json": "{}", "out/index.html": ""})) == ["out", "report.json"]
+
+
 def test_versions_are_found(tree):
     root = tree(
         {"pyproject.toml": '[project]\nversion = "1.2.3"\n', "CITATION.cff": "cff-version: 1.2.0\nversion: 1.2.4\n"}

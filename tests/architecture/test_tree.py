@@ -101,6 +101,10 @@ def test_pages_that_are_named_exist(checkout):
     assert rules.missing_pages(checkout) == []
 
 
+def test_nothing_was_left_at_the_top(checkout):
+    assert rules.top_violations(checkout) == []
+
+
 def test_no_machine_paths(checkout):
     assert rules.machine_paths(checkout) == []
 

@@ -81,11 +81,12 @@ TEST_CASE("many coupled nodes obey contact and Coulomb's law", "[rolling]")
   for (std::size_t i = 0; i < size; ++i)
     for (std::size_t j = 0; j <= i; ++j)
     {
-      c.jump[i * size + j] = c.jump[j * size + i] = (i == j) / stiffness + 0.2 / stiffness / double(1 + (i - j) * (i - j));
+      c.jump[i * size + j] = c.jump[j * size + i] =
+          (i == j) / stiffness + 0.2 / stiffness / double(1 + (i - j) * (i - j));
       c.velocity[i * size + j] = (i == j) * drift - (i == j + g) * 0.7 * drift;
     }
-  rolling::CandidateNodes nodes{g, {}, std::vector<double>(n, friction), std::vector<std::int8_t>(n, 1),
-                                std::vector<std::int8_t>(size, 0)};
+  rolling::CandidateNodes nodes{
+      g, {}, std::vector<double>(n, friction), std::vector<std::int8_t>(n, 1), std::vector<std::int8_t>(size, 0)};
   rolling::LinearState state{std::vector<double>(size, 0.0), {}, std::vector<double>(size, 0.0)};
   for (std::size_t i = 0; i < n; ++i)
   {
@@ -178,6 +179,6 @@ TEST_CASE("tangents are orthonormal and follow what they are told", "[rolling]")
   }
   CHECK(dot(rolling::tangents(normal, along, free).data(), along.data()) == Catch::Approx(1.0));
   CHECK(std::abs(rolling::tangents(normal, along, held)[2]) == Catch::Approx(1.0)); // a plane of symmetry across z
-  CHECK(rolling::tangents(std::vector<double>{0.6, 0.8}, std::vector<double>{1.0, 0.0}, std::vector<std::int8_t>{0, 0}) ==
-        std::vector<double>{-0.8, 0.6});
+  CHECK(rolling::tangents(std::vector<double>{0.6, 0.8}, std::vector<double>{1.0, 0.0},
+                          std::vector<std::int8_t>{0, 0}) == std::vector<double>{-0.8, 0.6});
 }

@@ -5,6 +5,7 @@
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
+#include <catch2/generators/catch_generators_range.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cmath>
 #include <dolfinx/fem/utils.h>
@@ -64,22 +65,43 @@ std::shared_ptr<fem::Constant<double>> vector(std::vector<double> value)
   return std::make_shared<fem::Constant<double>>(value, shape);
 }
 
-/// A square that spins about its centre, on a plane or not.
+/// A square or a cube of some cells.
+std::shared_ptr<fem::FunctionSpace<double>> block(mesh::CellType cell)
+{
+  const int dim = mesh::cell_dim(cell);
+  auto mesh = std::make_shared<mesh::Mesh<double>>(
+      dim == 2 ? mesh::create_rectangle<double>(MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, 1.0}}}, {4, 4}, cell)
+               : mesh::create_box<double>(MPI_COMM_SELF, {{{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}}}, {3, 3, 3}, cell));
+  const auto element = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell), 1,
+                                                     basix::element::lagrange_variant::gll_warped,
+                                                     basix::element::dpc_variant::unset, false);
+  return std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {std::size_t(dim)}));
+}
+
+/// A square or a cube that spins about an axis through its centre, in space an oblique one; its lower side is held.
 struct Spinning
 {
-  std::shared_ptr<fem::FunctionSpace<double>> V = square(1, 4);
+  std::shared_ptr<fem::FunctionSpace<double>> V;
+  int dim;
+  std::array<double, 3> axis;
   std::shared_ptr<fem::Function<double>> u = std::make_shared<fem::Function<double>>(V);
   std::shared_ptr<fem::Constant<double>> omega = std::make_shared<fem::Constant<double>>(0.2);
-  rolling::Motion motion{rolling::Spin{{0.5, 0.5, 0.0}, {0.0, 0.0, 1.0}}, omega, counted(num_nodes(*V))};
+  rolling::Motion motion{rolling::Spin{{0.5, 0.5, dim == 3 ? 0.5 : 0.0}, axis}, omega, counted(num_nodes(*V))};
   std::shared_ptr<rolling::Flow> flow = std::make_shared<rolling::Flow>(V, std::vector{motion});
   std::shared_ptr<problems::SpinningBody> body = std::make_shared<problems::SpinningBody>(
       u,
       std::make_shared<problems::KernelBody>(
-          u, problems::KernelMaterial{"linear_elastic", {{"E", {10.0}}, {"nu", {0.3}}}, "plane_strain"}),
-      motion,
-      problems::SpinningMaterial{2.0, counted(V->mesh()->topology()->index_map(2)->size_local()), "plane_strain"});
+          u,
+          problems::KernelMaterial{"linear_elastic", {{"E", {10.0}}, {"nu", {0.3}}}, dim == 2 ? "plane_strain" : ""}),
+      motion, problems::SpinningMaterial{2.0, counted(V->mesh()->topology()->index_map(dim)->size_local())});
   problems::BoundaryConditions bcs{std::make_shared<fem::DirichletBC<double>>(
-      vector({0.0, 0.0}), fem::locate_dofs_geometrical(*V, bottom()), V)};
+      vector(std::vector<double>(dim, 0.0)), fem::locate_dofs_geometrical(*V, bottom()), V)};
+
+  explicit Spinning(mesh::CellType cell = mesh::CellType::quadrilateral)
+      : V(block(cell)), dim(mesh::cell_dim(cell)),
+        axis(dim == 2 ? std::array<double, 3>{0.0, 0.0, 1.0} : std::array<double, 3>{2.0 / 3.0, 1.0 / 3.0, 2.0 / 3.0})
+  {
+  }
 
   std::vector<double> residual()
   {
@@ -158,9 +180,12 @@ TEST_CASE("the derivative along the flow is exact for parabolas, but where the m
   CHECK(checked == (degree == 2 ? 13 : 5));
 }
 
+constexpr mesh::CellType cells[] = {mesh::CellType::triangle, mesh::CellType::quadrilateral,
+                                    mesh::CellType::tetrahedron, mesh::CellType::hexahedron};
+
 TEST_CASE("the tangent of a body that spins is the derivative of its residual", "[rolling]")
 {
-  Spinning s;
+  Spinning s(GENERATE(from_range(cells)));
   const std::size_t n = s.u->x()->array().size();
   std::vector<double> way(n);
   for (std::size_t i = 0; i < n; ++i)
@@ -188,13 +213,15 @@ TEST_CASE("the tangent of a body that spins is the derivative of its residual", 
 
 TEST_CASE("the centrifugal load is mass times acceleration", "[rolling]")
 {
-  Spinning s;
+  Spinning s(GENERATE(from_range(cells)));
   const std::vector<double> r = s.residual();
-  double moment = 0.0; // of the forces outward, over the places: integral of density omega^2 r^2 = 2 * 0.04 / 6
-  for (std::size_t i = 0; i < r.size() / 2; ++i)
-    for (int c = 0; c < 2; ++c)
-      moment -= r[2 * i + c] * (s.flow->place(std::int32_t(i))[c] - 0.5);
-  CHECK(moment == Catch::Approx(2.0 * 0.04 / 6.0).epsilon(1e-12));
+  // Work of the forces on the places from the centre: density omega^2 times the integral of the squared distance from
+  // the axis, which is 1/6 for any axis through the centre of a cube.
+  double work = 0.0;
+  for (std::size_t i = 0; i < r.size() / s.dim; ++i)
+    for (int c = 0; c < s.dim; ++c)
+      work -= r[s.dim * i + c] * (s.flow->place(std::int32_t(i))[c] - 0.5);
+  CHECK(work == Catch::Approx(2.0 * 0.04 / 6.0).epsilon(1e-12));
 }
 
 TEST_CASE("rolling problems without friction, and calls that are refused", "[rolling]")
@@ -231,8 +258,8 @@ TEST_CASE("contacts with friction and others are not mixed", "[rolling]")
       s.V, facets, rail, enforcement::MortarOptions{.name = "rolls", .friction = 0.3}, fixed, s.flow);
   CHECK(rolls->friction() == 0.0); // of slips of increments
   CHECK(rolls->steady_friction() == 0.3);
-  const auto problem = [&](std::vector<std::shared_ptr<enforcement::StaticContact>> contacts,
-                           std::shared_ptr<rolling::Flow> flow)
+  const auto problem =
+      [&](std::vector<std::shared_ptr<enforcement::StaticContact>> contacts, std::shared_ptr<rolling::Flow> flow)
   { problems::RollingProblem(std::make_shared<problems::StaticProblem>(s.u, s.body, s.bcs, contacts), flow); };
   CHECK_NOTHROW(problem({rolls}, s.flow));
   const auto other = std::make_shared<rolling::Flow>(s.V, std::vector{s.motion});

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -28,6 +30,15 @@ template <typename T>
 std::vector<T> copy_of(std::span<const T> values)
 {
   return {values.begin(), values.end()};
+}
+
+/// Largest modulus of some numbers; zero without any.
+inline double largest_modulus(std::span<const double> values)
+{
+  double out = 0.0;
+  for (double value : values)
+    out = std::max(out, std::abs(value));
+  return out;
 }
 } // namespace common
 } // namespace dolfinx_impact

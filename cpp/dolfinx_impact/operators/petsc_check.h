@@ -4,6 +4,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 // PETSc exports these, but declares them in headers of its own only.
 extern "C"
@@ -53,6 +54,25 @@ private:
   PetscInt _size = 0;
   double* _values = nullptr;
 };
+
+/// A copy of a vector's first own entries.
+/// @param[in] num number of entries, at most those that the vector has on this rank
+inline std::vector<double> values_of(Vec v, std::size_t num)
+{
+  const double* values = nullptr;
+  check(VecGetArrayRead(v, &values), "a vector is read");
+  std::vector<double> out(values, values + num);
+  check(VecRestoreArrayRead(v, &values), "a vector is read");
+  return out;
+}
+
+/// A copy of a vector's own entries.
+inline std::vector<double> values_of(Vec v)
+{
+  PetscInt size = 0;
+  check(VecGetLocalSize(v, &size), "a vector is asked for its size");
+  return values_of(v, std::size_t(size));
+}
 
 /// Subtract forces from a residual.
 /// @param[in] forces by owned degree of freedom

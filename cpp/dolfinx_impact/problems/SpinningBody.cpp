@@ -80,7 +80,7 @@ Mat SpinningBody::tangent()
     check(MatCopy(K, _tangent, SAME_NONZERO_PATTERN), "a matrix is copied");
   else
     check(MatDuplicate(K, MAT_COPY_VALUES, &_tangent), "a matrix is copied");
-  check(MatAXPY(_tangent, -square(), _softening->matrix(), DIFFERENT_NONZERO_PATTERN), "matrices are added");
+  check(MatAXPY(_tangent, -square(), _softening->matrix(), UNKNOWN_NONZERO_PATTERN), "matrices are added");
   return _tangent;
 }
 } // namespace dolfinx_impact::problems

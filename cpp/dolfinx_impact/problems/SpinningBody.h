@@ -23,7 +23,8 @@ class SpinningBody : public LoadedBody
 public:
   /// Collective.
   /// @param[in] u displacement [L]
-  /// @param[in] body internal and external forces without inertia, in all cells of the mesh
+  /// @param[in] body internal and external forces without inertia, in all cells of the mesh: its tangent has places for
+  /// all entries of W
   /// @param[in] spin a motion of the flow with a Spin
   /// @throws std::runtime_error if there are no kernels for this mesh and degree
   /// @throws std::invalid_argument for a motion that is no Spin

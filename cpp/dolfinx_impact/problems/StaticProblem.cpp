@@ -117,11 +117,7 @@ std::vector<double> StaticProblem::reactions()
   Vec b = _equilibrium->body->residual();
   for (const auto& contact : _equilibrium->contacts)
     contact->add_residual(b);
-  const double* values = nullptr;
-  operators::check(VecGetArrayRead(b, &values), "a vector is read");
-  std::vector<double> out(values, values + _equilibrium->num_owned());
-  operators::check(VecRestoreArrayRead(b, &values), "a vector is read");
-  return out;
+  return operators::values_of(b, _equilibrium->num_owned());
 }
 
 state::State StaticProblem::state()

@@ -2,6 +2,7 @@
 #include "BodyResponse.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
+#include <unordered_map>
 
 namespace dolfinx_impact::rolling
 {
@@ -82,6 +83,39 @@ std::vector<double> relative(const RollingContact& c, Mat matrix, Mat moved, Pet
         out[i * g * num + k] = values(geometry.nodes()[i], k) / geometry.now().cover[i];
   return out;
 }
+/// An entry of this rank's rows in one of the columns that are wanted.
+struct Entry
+{
+  PetscInt column; ///< its place among those that are wanted
+  PetscInt row;    ///< local
+  double value;
+};
+
+/// Entries of some columns of a matrix in rows that are not pinned, column after column.
+std::vector<Entry> wanted_entries(Mat matrix, std::span<const PetscInt> wanted, std::span<const std::int8_t> pinned)
+{
+  std::unordered_map<PetscInt, PetscInt> places;
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    places.emplace(wanted[k], PetscInt(k));
+  std::vector<Entry> out;
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(matrix, &begin, &end), "a matrix is asked for its rows");
+  for (PetscInt row = begin; row < end; ++row)
+  {
+    if (pinned[row - begin])
+      continue;
+    PetscInt count = 0;
+    const PetscInt* at = nullptr;
+    const PetscScalar* values = nullptr;
+    check(MatGetRow(matrix, row, &count, &at, &values), "a row is read");
+    for (PetscInt k = 0; k < count; ++k)
+      if (const auto place = places.find(at[k]); place != places.end())
+        out.push_back({place->second, row - begin, values[k]});
+    check(MatRestoreRow(matrix, row, &count, &at, &values), "a row is read");
+  }
+  std::ranges::stable_sort(out, {}, &Entry::column);
+  return out;
+}
 } // namespace
 
 BodyResponse::BodyResponse(const surface::FunctionSpace& V, std::vector<std::int8_t> fixed)
@@ -130,38 +164,16 @@ Compliance BodyResponse::compliance(const ContactOperators& operators, const Can
     out.jump.resize(total * total);
     out.velocity.resize(total * total);
   }
-  // Where each column stands among those that are wanted.
-  std::vector<std::pair<PetscInt, PetscInt>> places;
-  for (std::size_t k = 0; k < total; ++k)
-    places.emplace_back(wanted[k], PetscInt(k));
-  std::ranges::sort(places);
-  PetscInt begin = 0, end = 0;
-  check(MatGetOwnershipRange(operators.forces(), &begin, &end), "a matrix is asked for its rows");
+  const std::vector<Entry> entries = wanted_entries(operators.forces(), wanted, _pinned);
+  auto next = entries.begin();
   for (std::size_t first = 0; first < total; first += block)
   {
     const PetscInt num = PetscInt(std::min(total - first, std::size_t(block)));
     const OwnedMatrix load = dense(comm, num_owned, num);
     {
       DenseEntries right(load.get());
-      for (PetscInt row = begin; row < end; ++row)
-      {
-        if (_pinned[row - begin])
-          continue;
-        PetscInt count = 0;
-        const PetscInt* at = nullptr;
-        const PetscScalar* values = nullptr;
-        check(MatGetRow(operators.forces(), row, &count, &at, &values), "a row is read");
-        for (PetscInt k = 0; k < count; ++k)
-        {
-          const auto place = std::ranges::lower_bound(places, std::pair<PetscInt, PetscInt>(at[k], 0));
-          if (place == places.end() || place->first != at[k])
-            continue;
-          const PetscInt column = place->second - PetscInt(first);
-          if (column >= 0 && column < num)
-            right(row - begin, column) = values[k];
-        }
-        check(MatRestoreRow(operators.forces(), row, &count, &at, &values), "a row is read");
-      }
+      for (; next != entries.end() && next->column < PetscInt(first) + num; ++next)
+        right(next->row, next->column - PetscInt(first)) = next->value;
     }
     check(MatAssemblyBegin(load.get(), MAT_FINAL_ASSEMBLY), "a matrix is assembled");
     check(MatAssemblyEnd(load.get(), MAT_FINAL_ASSEMBLY), "a matrix is assembled");

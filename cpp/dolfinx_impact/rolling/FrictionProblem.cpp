@@ -21,14 +21,6 @@ constexpr int splittings[] = {200, 2000};
 constexpr double least_decrease = 1e-4;
 constexpr double first_damping = 1e-6, least_damping = 1e-13;
 
-double largest(std::span<const double> values)
-{
-  double out = 0.0;
-  for (double value : values)
-    out = std::max(out, std::abs(value));
-  return out;
-}
-
 /// F_i J_ij F_j^T of all pairs of nodes.
 std::vector<double> turned(std::span<const double> J, std::span<const double> frames, std::size_t n, std::size_t g)
 {
@@ -95,7 +87,7 @@ double FrictionProblem::Equations::size() const
 
 bool FrictionProblem::Equations::solved(double tolerance) const
 {
-  return largest(error) <= tolerance * largest(forces);
+  return common::largest_modulus(error) <= tolerance * common::largest_modulus(forces);
 }
 
 FrictionProblem::FrictionProblem(CandidateNodes nodes, const Compliance& compliance)

@@ -36,6 +36,29 @@ std::vector<const surface::Facets*> surfaces(const enforcement::MortarGeometry& 
   return out;
 }
 
+/// A matrix over the nodes times each component of nodal vectors, owned, [node*g + c]. Collective.
+std::vector<double> nodal_product(Mat matrix, std::span<const double> values, std::size_t g)
+{
+  Vec made[2] = {};
+  check(MatCreateVecs(matrix, &made[0], &made[1]), "vectors are made");
+  const OwnedVector x(made[0]), y(made[1]);
+  std::vector<double> out;
+  for (std::size_t c = 0; c < g; ++c)
+  {
+    {
+      operators::Entries entries(x.get());
+      for (std::size_t i = 0; i < entries.size(); ++i)
+        entries[i] = values[i * g + c];
+    }
+    check(MatMult(matrix, x.get(), y.get()), "a matrix is multiplied");
+    const std::vector<double> product = operators::values_of(y.get());
+    out.resize(product.size() * g);
+    for (std::size_t i = 0; i < product.size(); ++i)
+      out[i * g + c] = product[i];
+  }
+  return out;
+}
+
 MortarOptions of_flow(MortarOptions options)
 {
   options.slip = enforcement::Slip::of_flow;
@@ -132,23 +155,11 @@ std::vector<double> RollingContact::means(Mat matrix, std::span<const double> va
 {
   const auto& geometry = this->geometry();
   const std::size_t g = geometry.gdim();
-  Vec made[2] = {};
-  check(MatCreateVecs(matrix, &made[0], &made[1]), "vectors are made");
-  const OwnedVector x(made[0]), y(made[1]);
+  const std::vector<double> product = nodal_product(matrix, values, g);
   std::vector<double> out(geometry.num_nodes() * g, 0.0);
-  for (std::size_t c = 0; c < g; ++c)
-  {
-    {
-      operators::Entries entries(x.get());
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        entries[i] = values[i * g + c];
-    }
-    check(MatMult(matrix, x.get(), y.get()), "a matrix is multiplied");
-    operators::Entries entries(y.get());
-    for (std::size_t k = 0; k < geometry.num_nodes(); ++k)
-      if (geometry.now().participates[k])
-        out[k * g + c] = entries[geometry.nodes()[k]] / geometry.now().cover[k];
-  }
+  for (std::size_t i = 0; i < geometry.num_nodes(); ++i)
+    for (std::size_t c = 0; c < g && geometry.now().participates[i]; ++c)
+      out[i * g + c] = product[geometry.nodes()[i] * g + c] / geometry.now().cover[i];
   return out;
 }
 
@@ -236,23 +247,10 @@ std::vector<double> RollingContact::turn_about_normal() const
 
 std::vector<double> RollingContact::material_velocity(std::span<const double> u) const
 {
-  const std::size_t g = geometry().gdim();
-  std::vector<double> out = common::copy_of(owned_flow());
-  Vec made[2] = {};
-  check(MatCreateVecs(_derivative.get(), &made[0], &made[1]), "vectors are made");
-  const OwnedVector x(made[0]), y(made[1]);
-  for (std::size_t c = 0; c < g; ++c)
-  {
-    {
-      operators::Entries entries(x.get());
-      for (std::size_t i = 0; i < entries.size(); ++i)
-        entries[i] = u[i * g + c];
-    }
-    check(MatMult(_derivative.get(), x.get(), y.get()), "a matrix is multiplied");
-    operators::Entries entries(y.get());
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      out[i * g + c] += entries[i];
-  }
+  std::vector<double> out = nodal_product(_derivative.get(), u, geometry().gdim());
+  const std::span<const double> w = owned_flow();
+  for (std::size_t k = 0; k < out.size(); ++k)
+    out[k] += w[k];
   return out;
 }
 

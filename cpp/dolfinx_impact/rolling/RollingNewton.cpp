@@ -2,6 +2,7 @@
 #include "RollingNewton.h"
 #include "../common/gather.h"
 #include "../common/text.h"
+#include "../common/vectors.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
 #include <cmath>
@@ -43,13 +44,6 @@ double tolerance(const std::string& prefix)
   return out;
 }
 
-double largest(std::span<const double> values)
-{
-  double out = 0.0;
-  for (double value : values)
-    out = std::max(out, std::abs(value));
-  return out;
-}
 } // namespace
 
 RollingNewton::RollingNewton(std::shared_ptr<const solve::EquilibriumProblem> problem,
@@ -100,11 +94,7 @@ solve::Increment RollingNewton::with_friction(std::span<const double> target)
   Mat K = nullptr;
   for (int iteration = 0;; ++iteration)
   {
-    std::vector<double> residual;
-    {
-      operators::Entries entries(p.body->residual());
-      residual.assign(entries.begin(), entries.end());
-    }
+    const std::vector<double> residual = operators::values_of(p.body->residual());
     if (!std::isfinite(norm(residual)))
       return result.failed("the residual is nan in Newton iteration " + std::to_string(iteration));
     for (RollingContact* c : _contacts)
@@ -127,7 +117,7 @@ solve::Increment RollingNewton::with_friction(std::span<const double> target)
       jump[k] = target[fixed[k]] - u[fixed[k]];
     }
     const double free = norm(equilibrium);
-    const bool moved = common::largest(p.comm(), largest(jump)) == 0.0;
+    const bool moved = common::largest(p.comm(), common::largest_modulus(jump)) == 0.0;
     double wrong = 0.0;
     for (const RollingContact* c : _contacts)
       wrong = std::max(wrong, c->steady_violation());
@@ -257,8 +247,8 @@ std::vector<std::vector<std::int8_t>> RollingNewton::near(const Trial& trial) co
     const std::vector<std::int8_t> carriers = c.carriers();
     std::vector<std::int8_t> touch(carriers.size(), 0);
     for (std::size_t i = 0; i < touch.size(); ++i)
-      touch[i] =
-          carriers[i] && (trial.laws[k].active[i] || largest(std::span(trial.multipliers[k]).subspan(i * g, g)) > 0.0);
+      touch[i] = carriers[i] && (trial.laws[k].active[i] ||
+                                 common::largest_modulus(std::span(trial.multipliers[k]).subspan(i * g, g)) > 0.0);
     std::vector<std::int8_t>& mask = out.emplace_back(c.with_neighbours(touch));
     for (std::size_t i = 0; i < mask.size(); ++i)
       mask[i] = mask[i] && carriers[i];

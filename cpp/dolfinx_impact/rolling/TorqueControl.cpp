@@ -9,12 +9,6 @@ namespace dolfinx_impact::rolling
 {
 namespace
 {
-std::vector<double> values_of(Vec v)
-{
-  operators::Entries entries(v);
-  return {entries.begin(), entries.end()};
-}
-
 std::vector<double> sum_of_forces(std::span<RollingContact* const> contacts)
 {
   std::vector<double> out;
@@ -59,9 +53,9 @@ std::vector<double> TorqueControl::residual_slope() const
   const double omega = this->omega();
   const double step = omega != 0.0 ? 0.5 * omega : 1.0; // forces are quadratic in it: any step gives the derivative
   set_omega(omega + step);
-  std::vector<double> out = values_of(_problem->body->residual());
+  std::vector<double> out = operators::values_of(_problem->body->residual());
   set_omega(omega - step);
-  const std::vector<double> below = values_of(_problem->body->residual());
+  const std::vector<double> below = operators::values_of(_problem->body->residual());
   set_omega(omega);
   for (std::size_t k = 0; k < out.size(); ++k)
     out[k] = (out[k] - below[k]) / (2.0 * step);

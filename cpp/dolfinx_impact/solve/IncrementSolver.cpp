@@ -238,11 +238,7 @@ std::vector<double> IncrementSolver::residual()
     contact->add_residual(b);
     _changes += contact->update_active_set(false);
   }
-  const double* values = nullptr;
-  check(VecGetArrayRead(b, &values), "a vector is read");
-  std::vector<double> out(values, values + _problem->num_owned());
-  check(VecRestoreArrayRead(b, &values), "a vector is read");
-  return out;
+  return operators::values_of(b, _problem->num_owned());
 }
 
 PetscErrorCode IncrementSolver::evaluate(SNES, Vec x, Vec F, void* context)
@@ -377,11 +373,7 @@ Increment IncrementSolver::run_other(std::span<const double> target)
       return _result.failed(text, true);
     if (again)
       continue;
-    Vec b = p.body->residual();
-    const double* values = nullptr;
-    check(VecGetArrayRead(b, &values), "a vector is read");
-    const std::vector<double> bodies(values, values + p.num_owned());
-    check(VecRestoreArrayRead(b, &values), "a vector is read");
+    const std::vector<double> bodies = operators::values_of(p.body->residual(), p.num_owned());
     if (!newton.fields_balance(K, bodies))
       return _result.failed(
           "SNES of type " + method() +

@@ -15,15 +15,6 @@ std::uint64_t next_id()
   static std::uint64_t count = 0;
   return ++count;
 }
-
-std::vector<double> values_of(Vec v, std::size_t num)
-{
-  const double* values = nullptr;
-  check(VecGetArrayRead(v, &values), "a vector is read");
-  std::vector<double> out(values, values + num);
-  check(VecRestoreArrayRead(v, &values), "a vector is read");
-  return out;
-}
 } // namespace
 
 LinearSystem::LinearSystem(Mat K, std::span<const Mat> extra) : _stiffness{K}, _id(next_id())
@@ -95,7 +86,7 @@ void CondensedSystem::mult(Vec x, Vec y)
 
 void CondensedSystem::load(std::span<const double> residual, Vec values, Vec b)
 {
-  const std::vector<double> given = values_of(values, _pinned.size());
+  const std::vector<double> given = operators::values_of(values, _pinned.size());
   check(VecSet(_free, 0.0), "a vector is set");
   {
     Entries pinned(_free);
@@ -124,7 +115,7 @@ void CondensedSystem::load(std::span<const double> residual, Vec values, Vec b)
 
 std::vector<double> CondensedSystem::displacements(Vec y)
 {
-  return _condensation ? _condensation->increment(y) : values_of(y, _pinned.size());
+  return _condensation ? _condensation->increment(y) : operators::values_of(y, _pinned.size());
 }
 
 Mat CondensedSystem::assemble()
@@ -176,7 +167,7 @@ SaddlePointSystem::SaddlePointSystem(Mat K, std::span<const Mat> extra, enforcem
 
 std::vector<double> SaddlePointSystem::displacements(Vec y)
 {
-  return values_of(y, _rows.num_displacements());
+  return operators::values_of(y, _rows.num_displacements());
 }
 
 Vec SaddlePointSystem::create_vector() const

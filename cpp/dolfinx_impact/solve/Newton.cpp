@@ -45,18 +45,12 @@ private:
   std::chrono::steady_clock::time_point _start;
 };
 
-std::vector<double> copy_of(Vec v)
-{
-  Entries values(v);
-  return {&values[0], &values[0] + values.size()};
-}
-
 std::vector<double> diagonal_of(Mat K)
 {
   Vec diagonal = nullptr;
   check(MatCreateVecs(K, nullptr, &diagonal), "a vector is made");
   check(MatGetDiagonal(K, diagonal), "a diagonal is read");
-  std::vector<double> out = copy_of(diagonal);
+  std::vector<double> out = operators::values_of(diagonal);
   check(VecDestroy(&diagonal), "a vector is destroyed");
   return out;
 }
@@ -160,7 +154,7 @@ Increment Newton::run(std::span<const double> target)
       result.residual_norms.push_back(std::numeric_limits<double>::quiet_NaN());
       return result.failed(unsolved + " in Newton iteration " + std::to_string(iteration));
     }
-    std::vector<double> bodies = copy_of(b);
+    std::vector<double> bodies = operators::values_of(b);
     if (!std::isfinite(norm(bodies)))
     {
       result.residual_norms.push_back(std::numeric_limits<double>::quiet_NaN());
@@ -178,7 +172,7 @@ Increment Newton::run(std::span<const double> target)
         if (!contact->has_multipliers())
           contact->add_residual(b);
       }
-      residual = copy_of(b);
+      residual = operators::values_of(b);
       if (_saddle && iteration > 0)
         for (enforcement::MultiplierContact* contact : _multipliers)
           contact->rotate_friction_traction();
@@ -508,7 +502,7 @@ std::vector<double> Newton::free_residual()
       contact->add_residual(b);
     }
   }
-  std::vector<double> out = copy_of(b);
+  std::vector<double> out = operators::values_of(b);
   for (std::int32_t i : _prescribed)
     out[i] = 0.0;
   return out;
@@ -928,7 +922,7 @@ std::vector<double> Newton::product(std::span<const Mat> matrices, std::span<con
   check(VecSet(y, 0.0), "a vector is set");
   for (Mat matrix : matrices)
     check(MatMultAdd(matrix, x, y, y), "a matrix is multiplied");
-  std::vector<double> out = copy_of(y);
+  std::vector<double> out = operators::values_of(y);
   check(VecDestroy(&x), "a vector is destroyed");
   check(VecDestroy(&y), "a vector is destroyed");
   return out;

@@ -52,6 +52,24 @@ def test_no_build_means_no_build(project):
     assert installs(project) == 0
 
 
+def test_builds_in_two_folders_know_nothing_of_each_other(project):
+    project.run("true")
+    assert project.run("true", IMPACT_BUILD="build/other").returncode == 0
+    assert installs(project) == 2 and (project.checkout / "build/other/venv/bin/python3").exists()
+    assert project.run("sh", "-c", "command -v python3", IMPACT_BUILD="build/other").stdout_text.strip() == str(
+        project.checkout / "build/other/venv/bin/python3"
+    )
+    project.run("true")
+    project.run("true", IMPACT_BUILD="build/other")
+    assert installs(project) == 2
+
+
+@pytest.mark.parametrize("name", ["/tmp/build", "build/../..", "a folder"])
+def test_a_build_folder_outside_is_refused(project, name):
+    answer = project.run("true", IMPACT_BUILD=name)
+    assert answer.returncode == 1 and f"not '{name}'" in answer.stderr_text and installs(project) == 0
+
+
 @pytest.mark.parametrize(
     "name", ["cpp/a.cpp", "forms/b.py", "meshes/c.py", "python/d.py", "demos/e.py", "forms/new.py"]
 )

@@ -25,17 +25,6 @@ void set(Vec x, std::span<const double> values)
     entries[i] = values[i];
 }
 
-std::vector<double> values_of(Vec x)
-{
-  PetscInt size = 0;
-  const double* values = nullptr;
-  check(VecGetLocalSize(x, &size), "a vector is asked for its size");
-  check(VecGetArrayRead(x, &values), "a vector is read");
-  std::vector<double> out(values, values + size);
-  check(VecRestoreArrayRead(x, &values), "a vector is read");
-  return out;
-}
-
 double norm(MPI_Comm comm, std::span<const double> values)
 {
   double sum = 0.0;
@@ -63,7 +52,7 @@ std::vector<double> Inertia::times(std::span<const double> x) const
 {
   set(_x, x);
   check(MatMult(_matrix, _x, _y), "a mass matrix is multiplied");
-  return values_of(_y);
+  return operators::values_of(_y);
 }
 
 std::vector<double> Inertia::accelerations(std::span<const double> forces, std::span<const std::int8_t> fixed,
@@ -107,7 +96,7 @@ std::vector<double> Inertia::accelerations(std::span<const double> forces, std::
   check(KSPSolve(solver, _x, _y), "the accelerations at the start are solved for");
   PetscInt iterations = 0;
   check(KSPGetIterationNumber(solver, &iterations), "a solver is asked for its iterations");
-  const std::vector<double> found = values_of(_y);
+  const std::vector<double> found = operators::values_of(_y);
   for (std::size_t i = 0; i < n; ++i)
     if (!fixed[i] && !_massless[i])
       a[i] += found[i];
