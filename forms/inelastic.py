@@ -161,13 +161,7 @@ class PointResponse(Protocol):
     unknown: tuple[int, ...] | None
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any) -> Update:
-        """Stress and new history at a point.
-
-        Args:
-            strain: small strain or deformation gradient, 3 x 3 [1].
-            history: committed values by the names of `history`.
-            unknown: unknown of the local equations; None for a law in closed form.
-        """
+        """See dolfinx_impact.InelasticMaterial.respond, which users write."""
         ...
 
 

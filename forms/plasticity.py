@@ -209,7 +209,6 @@ class J2:
         self.unknown: tuple[int, ...] | None = (vector,) if vector else None if closed else ()
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any = None) -> Update:
-        """Stress and new history; see PointResponse."""
         return (self._finite if self.finite_strain else self._small)(strain, history, unknown)
 
     def _with_strength(self, residual: Any, alpha: Any) -> Any:

@@ -93,7 +93,7 @@ class Foundation(_FacetLoad):
         return foundation.foundation(c, velocity, v, _hypothesis(hypothesis, mesh), self._supported(v, hypothesis))
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
-        """External virtual work of the springs; depends on u."""
+        """That of the springs; it depends on u."""
         return -self.springs(u, v, material.hypothesis_on(u.function_space.mesh))
 
     def force(self, u: Function, velocity: Function | None = None, hypothesis: str | None = None) -> FloatArray:

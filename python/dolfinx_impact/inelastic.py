@@ -79,11 +79,7 @@ class InelasticMaterial(_Material):
         )
 
     def elastic_law(self, mesh: Mesh) -> laws.Law:
-        """The elastic part, of small strain; for bounds of the stable step and for bulk viscosity.
-
-        Args:
-            mesh: mesh.
-        """
+        """The elastic part, of small strain; for bounds of the stable step and for bulk viscosity."""
         return laws.LinearElastic(
             self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu), self.hypothesis_on(mesh)
         )

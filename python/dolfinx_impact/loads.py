@@ -194,7 +194,6 @@ class BodyForce(_Load):
             warnings.warn(f"{self!r} {text}", stacklevel=5)
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
-        """External virtual work."""
         V = u.function_space
         mesh = V.mesh
         f = self._vector("body force", mesh)
@@ -253,7 +252,6 @@ class Traction(_FacetLoad):
         self.vector, self.amplitude = read_only(vector), amplitude
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
-        """External virtual work."""
         mesh = u.function_space.mesh
         t, ds = self._vector("traction", mesh), self._measure(u, material, extra=VARYING if self.varies() else 0)
         return loads.traction(t, v, material.hypothesis_on(mesh), ds)
@@ -277,7 +275,7 @@ class FollowerPressure(_FacetLoad):
         return f"pressure={self.pressure}"
 
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
-        """External virtual work; depends on u."""
+        """It depends on u."""
         mesh = u.function_space.mesh
         p = self._prepare(mesh, self.pressure)
         ds = self._measure(u, material, extra=(mesh.geometry.dim - 1) * (u.function_space.element.basix_element.degree))

@@ -199,11 +199,7 @@ class J2Plasticity(InelasticMaterial):
         return self._constants[key]
 
     def response(self, mesh: Mesh) -> laws.J2:
-        """The law in UFL (forms/plasticity.py), with parameters as constants of the mesh.
-
-        Args:
-            mesh: mesh.
-        """
+        """That of forms/plasticity.py, with parameters as constants of the mesh."""
 
         def constant(name: str, value: float) -> Any:
             return self.constant(mesh, name, value)

@@ -416,6 +416,73 @@ def unit_folder_violations(root):
     return complaints
 
 
+_FIRST_SENTENCE = re.compile(r"(.*?\.)(?:\s|$)")
+
+
+def _docstring(node):
+    return " ".join((ast.get_docstring(node) or "").split())
+
+
+def _methods(cls):
+    """Methods and properties of a class by name, without setters."""
+    found = {}
+    for node in cls.body:
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            found.setdefault(node.name, node)  # the setter of a property comes after it
+    return found
+
+
+def _is_protocol(cls):
+    return any("Protocol" in ast.unparse(base) for base in cls.bases)
+
+
+def _package(path, root):
+    """Package that a module is installed in; forms/ and meshes/ are parts of dolfinx_impact."""
+    parts = path.relative_to(root).parts
+    return parts[1] if parts[0] == "python" else "dolfinx_impact"
+
+
+def _bases(path, cls, classes, root):
+    """Base classes of a class and theirs, with their files, as far as they are in the tree."""
+    for base in cls.bases:
+        name = ast.unparse(base).split("[")[0].split(".")[-1]
+        known = classes.get(name, [])
+        here = [c for c in known if c[0] == path] or [c for c in known if _package(c[0], root) == _package(path, root)]
+        for one in here or known:
+            if one[1] is not cls:
+                yield one
+                yield from _bases(*one, classes, root)
+
+
+def repeated_docstrings(root):
+    """Methods that say once more what the method of a base class or of a protocol says: a docstring that has its first
+    sentence. An override says what is particular to it; where nothing is, it has no docstring, and help() and the site
+    show that of the base. Of a protocol, which classes need not derive from, methods of the same name count.
+    """
+    root = pathlib.Path(root).resolve()
+    classes = {}
+    for folder in ("python", "forms", "meshes"):
+        for path in sources(root / folder, (".py",)):
+            for node in ast.parse(path.read_text(), str(path)).body:
+                if isinstance(node, ast.ClassDef):
+                    classes.setdefault(node.name, []).append((path, node))
+    every = [one for group in classes.values() for one in group]
+    protocols = [(path, cls) for path, cls in every if _is_protocol(cls)]
+    complaints = []
+    for path, cls in every:
+        asked = [(p, c) for p, c in protocols if _package(p, root) == _package(path, root) and c is not cls]
+        above = [*_bases(path, cls, classes, root), *([] if _is_protocol(cls) else asked)]
+        for name, node in _methods(cls).items():
+            own = _docstring(node)
+            for _, base in above:
+                said = _FIRST_SENTENCE.match(_docstring(_methods(base)[name])) if name in _methods(base) else None
+                if said and said[1] in own:
+                    where = f"{path.relative_to(root)}:{node.lineno}"
+                    complaints.append(f"{where}: {cls.name}.{name} says what {base.name}.{name} says")
+                    break
+    return complaints
+
+
 LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long
 
 

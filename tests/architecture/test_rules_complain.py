@@ -296,6 +296,79 @@ def test_folders_of_unit_tests_complain(tree, name, words):
     assert words in complaint
 
 
+GOOD_DOCSTRINGS = {
+    "python/dolfinx_impact/body.py": '''
+class Body(Protocol):
+    """Bodies."""
+
+    def residual(self):
+        """Internal minus external forces. Collective."""
+
+    @property
+    def size(self):
+        """Number of cells. Of all ranks."""
+''',
+    "python/dolfinx_impact/shapes.py": '''
+class Shape:
+    def area(self):
+        """Area of the surface. Without its edges [L^2]."""
+
+    def name(self): ...
+
+
+class Ball(Shape):
+    def area(self):
+        """Exact [L^2]."""
+
+    def name(self):
+        """Name of the ball."""
+
+
+class Elastic:  # meets Body
+    def residual(self): ...
+
+    @property
+    def size(self):
+        """Of this rank."""
+
+    def area(self):
+        """Area of the surface. No base has it."""
+''',
+    "python/impact_verify/body.py": 'class Other:\n    def residual(self):\n        """Internal minus external forces."""\n',
+}
+
+
+def test_docstrings_pass_a_good_tree(tree):
+    assert rules.repeated_docstrings(tree(GOOD_DOCSTRINGS)) == []
+
+
+@pytest.mark.parametrize(
+    "name, text, complaint",
+    [
+        # An override, word for word, and with more around it; the base in another module, or one above it.
+        ("shapes.py", "Exact [L^2].", "Area of the surface. Without its edges [L^2].", ),
+        ("shapes.py", "Exact [L^2].", "Exact. Area of the surface."),
+        ("disc.py", "", "Area of the surface."),
+        ("dome.py", "", "Area of the surface."),
+        # What meets a protocol without deriving from it: methods and properties.
+        ("steel.py", "residual", "Internal minus external\n        forces. In closed form."),
+        ("steel.py", "size", "Number of cells."),
+    ],
+)  # fmt: skip
+def test_docstrings_complain(tree, name, text, complaint):
+    path = f"python/dolfinx_impact/{name}"
+    method = f'    def area(self):\n        """{complaint}"""\n'
+    files = {
+        "shapes.py": GOOD_DOCSTRINGS["python/dolfinx_impact/shapes.py"].replace(text or "nothing", complaint),
+        "disc.py": f"from . import shapes\nclass Disc(shapes.Shape):\n{method}",
+        "dome.py": f"from .shapes import Ball\nclass Dome(Ball):\n{method}",
+        "steel.py": f"class Steel:\n{method}".replace("area", text),
+    }
+    (found,) = rules.repeated_docstrings(tree({**GOOD_DOCSTRINGS, path: files[name]}))
+    asked = {"residual": "Body.residual", "size": "Body.size"}.get(text, "Shape.area")
+    assert found.startswith(f"{path}:") and found.endswith(f"says what {asked} says")
+
+
 def test_line_counts(tree):
     counts = rules.line_counts(tree({"a.py": "\n" * 401, "docs/b.md": "\n" * 900, "Makefile": "x\n"}))
     assert {str(p): n for p, n in counts.items()} == {"a.py": 401, "Makefile": 1}

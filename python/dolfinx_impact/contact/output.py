@@ -27,9 +27,20 @@ def _three(value: ArrayLike) -> list[float]:
 class ContactOutput:
     """Results of a contact; arrays are over this rank's contact points, totals over all ranks and the same on all.
 
-    A derived class has the results points, gap, normal, pressure, traction, slip, status and weight as attributes or
-    properties, the attributes `comm` and `initial` (InitialPenetration of C++; None in explicit problems), and the
-    methods covered() and contact_forces(). A contact whose points are nodes has `nodes`; others override at_nodes().
+    A derived class has these results as attributes or properties, the attributes `comm` and `initial`
+    (InitialPenetration of C++; None in explicit problems), and the methods covered() and contact_forces(). A contact
+    whose points are nodes has `nodes`; others override at_nodes(). What static problems ask of every contact is
+    described in protocol.StaticContact; here are its answers where a contact has none of its own.
+
+    Attributes:
+        points: present positions, (n, gdim) [L].
+        gap: gaps, (n), positive if open, infinite without master [L].
+        normal: unit normals out of the master, (n, gdim) [1].
+        pressure: contact pressure per reference area, (n) [F/L^2]; at_nodes(contact.pressure) is smoother in plots.
+        traction: contact traction on the slave per reference area, (n, gdim) [F/L^2].
+        slip: tangential displacement of slave relative to master, accumulated in contact, (n, gdim) [L].
+        status: ContactStatus numbers, (n).
+        weight: area of each point, a length in 2D, (n) [L^2].
     """
 
     if TYPE_CHECKING:  # members of derived classes, attributes or properties
@@ -62,7 +73,6 @@ class ContactOutput:
 
     @property
     def fault(self) -> str:
-        """Why a converged state is not a solution; empty if it is one."""
         return ""
 
     @functools.cached_property
@@ -136,70 +146,30 @@ class ContactOutput:
         raise NotImplementedError
 
     def contact_forces(self) -> FloatArray:
-        """Assemble the nodal contact forces on both bodies. Collective.
-
-        Returns:
-            Forces, owned dofs [F].
-        """
         raise NotImplementedError
 
     def largest_violation(self) -> str:
-        """Describe the point with the largest violation of the constraints. Collective.
-
-        Returns:
-            A sentence, or an empty text.
-        """
         return ""
 
     def forget(self) -> None:
-        """Forget what a checkpoint does not have, candidates of the search and places of matrices: the next step is
-        that of a restored run."""
+        """Nothing: the contact keeps nothing of that kind."""
 
     def mesh_advice(self) -> str:
-        """Describe what in the surfaces may keep a solve from converging. Collective.
-
-        Returns:
-            A sentence, or an empty text.
-        """
         return ""
 
     def check_parameters(self) -> None:
-        """Refuse parameters that do not fit the problem, before a solution. Collective.
-
-        Raises:
-            ValueError: on all ranks.
-        """
+        """Nothing: all fit."""
 
     def add_residual(self, b: PETSc.Vec) -> None:
-        """Subtract the nodal contact forces from a residual. Collective.
-
-        Args:
-            b: residual [F].
-        """
         b.array[:] -= self.contact_forces()
 
     def prescribed_overlap(self) -> str:
-        """Describe prescribed displacements that cause penetration in a converged state. Collective.
-
-        Returns:
-            A sentence, or an empty text.
-        """
         return ""
 
     def passed_through(self) -> str:
-        """Describe points that have passed through the master since the last converged state. Collective.
-
-        Returns:
-            A sentence, or an empty text.
-        """
         return ""
 
     def close_nearest(self) -> bool:
-        """Activate the points nearest to the master if the bodies nearly touch. Collective.
-
-        Returns:
-            Whether there are any.
-        """
         return False
 
     def update_totals(self) -> None:

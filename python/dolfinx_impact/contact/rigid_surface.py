@@ -47,11 +47,7 @@ class RigidSurface(_Rigid):
         return f"{self._gdim}D" if self._gdim else ""
 
     def same_on_all_ranks(self) -> list[Any]:
-        """Values that collective.describe compares between ranks.
-
-        Returns:
-            Checksum of the shape, displacement and motion.
-        """
+        """The shape counts by its checksum."""
         return [self._checksum, self.displacement, self.motion]
 
     @classmethod

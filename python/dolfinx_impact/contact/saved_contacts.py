@@ -12,15 +12,10 @@ class SavedContact(Protocol):
     """What a checkpoint asks of a static contact; see protocol.StaticContact."""
 
     def saved_state(self) -> _cpp.state.State:
-        """What a checkpoint holds of the last converged state, values of its own."""
+        ...
 
     def resume(self, saved: _cpp.state.State, u: FloatArray) -> None:
-        """Continue from what `saved_state` has returned. Collective.
-
-        Args:
-            saved: the state.
-            u: displacements of the checkpoint, owned and ghost dofs [L].
-        """
+        ...
 
 
 def add_contacts(state: _cpp.state.State, contacts: Sequence[SavedContact]) -> None:

@@ -28,8 +28,8 @@ class ProblemInTime(RecordedProblem, Protocol):
 
     @property
     def time(self) -> float:
-        """Present time [T]."""
+        ...
 
     @property
     def step(self) -> int:
-        """Number of the present step [1]."""
+        ...

@@ -27,23 +27,19 @@ class StartedProblem(Problem, Protocol):
 
     @property
     def contact(self) -> Sequence[Any]:
-        """Contacts with results."""
+        ...
 
     @property
     def has_history(self) -> bool:
-        """Whether a material has internal variables."""
+        ...
 
     @property
     def history(self) -> MaterialHistory:
-        """Internal variables of the materials."""
+        ...
 
     @property
     def contact_step(self) -> float:
-        """Step for which contact springs that follow from it are made [T]."""
+        ...
 
     def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
-        """Compute the forces of the start once more, after contacts have got a history. Collective.
-
-        Args:
-            equilibrium: what materials and springs begin with; None: nothing.
-        """
+        ...

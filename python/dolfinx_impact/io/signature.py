@@ -78,14 +78,7 @@ class Functions(Protocol):
     """Functions of time of a problem; see dynamics.functions_of_time.FunctionsOfTime."""
 
     def table(self, times: FloatArray) -> FloatArray:
-        """Values at times.
-
-        Args:
-            times: times, (num_times) [T].
-
-        Returns:
-            Values, (num_times, num_columns).
-        """
+        ...
 
 
 class Problem(Protocol):

@@ -34,23 +34,23 @@ class RecordedProblem(Protocol):
 
     @property
     def contact(self) -> Sequence[Any]:
-        """Contacts with their results."""
+        ...
 
     @property
     def has_history(self) -> bool:
-        """Whether a material has internal variables."""
+        ...
 
     @property
     def history(self) -> MaterialHistory:
-        """Internal variables of the materials."""
+        ...
 
     @property
     def stress(self) -> HistoryField:
-        """Cauchy stress of the bodies [F/L^2]."""
+        ...
 
     @property
     def von_mises(self) -> HistoryField:
-        """Von Mises' equivalent stress of the bodies [F/L^2]."""
+        ...
 
 
 def body_names(problem: RecordedProblem) -> list[str]:

@@ -29,11 +29,7 @@ class BodyMatrix(Described):
         self._body, self.matrix = body, matrix
 
     def assemble(self) -> PETSc.Mat:
-        """Assemble the matrix at the present state. Collective.
-
-        Returns:
-            The matrix of this object; the next call overwrites it.
-        """
+        """The next call overwrites the matrix."""
         return self._body.tangent()
 
 
@@ -107,5 +103,4 @@ class AssembledBody(Described):
         self._cpp_object.set_energies([energy.live() for energy in energies], [f._cpp_object for f in read])
 
     def in_cpp(self) -> _cpp.solve.Body:
-        """The bodies as Newton's method in C++ sees them."""
         return self._cpp_object

@@ -33,11 +33,9 @@ class EvaluatedTangent(Described):
 
     @property
     def matrix(self) -> PETSc.Mat:
-        """The matrix [F/L]."""
         return self._body.forms.tangent.matrix
 
     def assemble(self) -> PETSc.Mat:
-        """Assemble the matrix at the present displacement. Collective."""
         self._body.evaluate_if_changed()
         return self._body.forms.tangent.assemble()
 
@@ -70,11 +68,10 @@ class EvaluatedBody(Described):
 
     @property
     def tangent(self) -> EvaluatedTangent:
-        """Derivative of the residual."""
         return EvaluatedTangent(self)
 
     def in_cpp(self) -> _cpp.solve.Body:
-        """The bodies as Newton's method in C++ sees them: it calls Python for what is evaluated."""
+        """C++ calls Python for what is evaluated."""
         return _cpp.solve.FunctionBody(
             residual=self._residual,
             tangent=self.tangent.assemble,

@@ -132,7 +132,7 @@ class LoadedProblem(Protocol):
 
     @property
     def contact(self) -> Sequence[Any]:
-        """Contacts."""
+        ...
 
     @property
     def _cpp_object(self) -> _cpp.problems.StaticProblem:

@@ -60,11 +60,11 @@ class SavedStatics(Protocol):
 
     @property
     def loads(self) -> Sequence[Any]:
-        """Loads."""
+        ...
 
     @property
     def contact(self) -> Sequence[Any]:
-        """Contacts with their results."""
+        ...
 
     @property
     def _cpp_object(self) -> _cpp.problems.StaticProblem:

@@ -67,12 +67,10 @@ class AssembledForm:
         self._vector, self._matrix = quick_form(self.internal), quick_form(tangent)
 
     def vector(self, values: FloatArray) -> FloatArray:
-        """As Assembled."""
         self.u.x.array[:] = values
         return np.array(fem.assemble_vector(self._vector).array)
 
     def matrix(self, values: FloatArray) -> csr_matrix:
-        """As Assembled."""
         self.u.x.array[:] = values
         return csr_matrix(fem.assemble_matrix(self._matrix).to_scipy())
 
@@ -89,7 +87,6 @@ class AssembledMaterial:
         self.problem = StaticProblem(own.u, own.material)
 
     def vector(self, values: FloatArray) -> FloatArray:
-        """As Assembled."""
         self.u.x.array[:] = values
         out = np.array(self.problem.assemble_residual().array_r)
         fault = self.problem.body.in_cpp().fault()
@@ -98,7 +95,6 @@ class AssembledMaterial:
         return out
 
     def matrix(self, values: FloatArray) -> csr_matrix:
-        """As Assembled."""
         self.vector(values)
         return petsc_to_scipy(self.problem.tangent.assemble())
 

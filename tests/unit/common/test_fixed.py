@@ -4,6 +4,7 @@ are documented to be followed. The checks on ranks are in fixed_checks.py."""
 
 import contextlib
 import copy
+import pickle
 
 import fixed_checks
 import numpy as np
@@ -14,6 +15,8 @@ from mpi4py import MPI
 from on_ranks import rank_tests
 
 import dolfinx_impact as di
+from dolfinx_impact.common.fixed import Fixed, read_only
+from dolfinx_impact.common.unique import Unique
 
 test_one_rank, test_several_ranks = rank_tests(fixed_checks)
 
@@ -152,3 +155,55 @@ def test_parts_of_problems_cannot_be_replaced(described, kind):
     problem.note = "a user's own"
     assert problem.note == "a user's own"
     del problem.note
+
+
+class Base(Fixed):
+    """Its attribute is set by an `__init__` that those of derived classes call."""
+
+    def __init__(self, size):
+        self.size = size
+
+
+class Derived(Base):
+    def __init__(self, size):
+        super().__init__(size)
+        self.more = 2 * size  # still being made
+        self._own = 0
+
+    @property
+    def turned(self):
+        return self._own
+
+    @turned.setter
+    def turned(self, value):
+        self._own = value
+
+
+def test_an_object_is_made_when_its_own_class_has_made_it():
+    thing = Derived(3)
+    for name in ("size", "more"):
+        with pytest.raises(AttributeError, match=f"{name} of a Derived cannot be changed"):
+            setattr(thing, name, 0)
+    with pytest.raises(AttributeError, match="has no attribute 'less': it has more, size, turned"):
+        thing.less = 1
+    thing.turned = 5
+    twin = thing._copy(size=4)
+    assert (twin.size, twin.more, twin.turned, thing.size) == (4, 6, 5, 3)
+    with pytest.raises(AttributeError):
+        del twin.size
+    assert read_only([1, 2]) == (1, 2) and read_only("text") == "text"
+
+
+class OneOfAKind(Unique):
+    def __init__(self):
+        self.part = 1
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
+def test_what_shares_state_is_not_copied(copied):
+    thing = OneOfAKind()
+    thing.notes = "a user's own"  # may be added
+    with pytest.raises(AttributeError, match="part of an OneOfAKind cannot be changed: it was made with it"):
+        thing.part = 2
+    with pytest.raises(TypeError, match="an? OneOfAKind cannot be (copied|pickled): it shares its state"):
+        copied(thing)

@@ -4,11 +4,18 @@
 import importlib
 import subprocess
 import sys
+import types
 
 import pytest
 
 import dolfinx_impact as di
-from dolfinx_impact.common.moved_packages import MOVED, present_name
+from dolfinx_impact.common.moved_packages import (
+    MOVED,
+    _MovedModule,
+    _MovedModuleFinder,
+    find_moved_modules,
+    present_name,
+)
 
 
 def test_the_door_leads_to_the_package():
@@ -58,3 +65,24 @@ def test_each_package_is_there_and_others_have_not_moved():
     assert present_name("dolfinx_impact.verify") is None
     with pytest.raises(ModuleNotFoundError, match="impact_studies.creep.nothing"):
         importlib.import_module("dolfinx_impact.creep.nothing")
+
+
+def test_the_finder_takes_former_names_only_and_is_there_once():
+    finder = _MovedModuleFinder()
+    assert finder.find_spec("dolfinx_impact.io.frames") is None and finder.find_spec("json") is None
+    spec = finder.find_spec("dolfinx_impact.bench.rows")
+    assert isinstance(spec.loader, _MovedModule) and spec.name == "dolfinx_impact.bench.rows"
+    find_moved_modules()
+    assert sum(isinstance(f, _MovedModuleFinder) for f in sys.meta_path) == 1
+    assert isinstance(sys.meta_path[0], _MovedModuleFinder)
+
+
+def test_the_module_takes_the_place_of_an_empty_one(monkeypatch):
+    former, now = "dolfinx_impact.bench.rows", importlib.import_module("impact_studies.bench.rows")
+    monkeypatch.delitem(sys.modules, former, raising=False)
+    empty = types.ModuleType(former)
+    loader = _MovedModule()
+    assert loader.create_module(None) is None
+    with pytest.warns(DeprecationWarning, match="is impact_studies.bench.rows now"):
+        loader.exec_module(empty)
+    assert sys.modules.pop(former) is now

@@ -166,3 +166,27 @@ def test_a_name_is_registered_once(own_forms):
     with pytest.raises(ValueError, match="cell 'prism' is unknown.*triangle"):
         registry.registered("spring_bed", quadrature=lambda *_: 1, cells=("prism",))
     assert "spring_bed" not in own_forms
+
+
+def test_a_registered_form_is_in_the_table_as_it_was_told(monkeypatch):
+    monkeypatch.setattr(registration, "FORMS", dict(registration.FORMS))
+
+    @registration.registered("own.mass", quadrature=lambda *_: 3, constants={"k": ()}, coefficients=("w",))
+    def own(case, u, v):
+        return None
+
+    entry = registration.FORMS["own.mass"]
+    assert isinstance(entry, registration.RegisteredForm) and entry.function is own
+    assert (entry.name, entry.constants, tuple(entry.coefficients), entry.excluded) == (
+        "own.mass",
+        {"k": ()},
+        ("w",),
+        {},
+    )
+
+
+def test_a_built_form_says_which_rule_it_has():
+    built = registry.build("mass", "hexahedron", 2)
+    assert isinstance(built, registration.Built) and built.law is None
+    degrees = {i.metadata()["quadrature_degree"] for i in built.form.integrals()}
+    assert degrees == {built.degree} and built.degree >= 4  # products of two functions of degree 2

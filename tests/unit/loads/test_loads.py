@@ -8,6 +8,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.loads import _FacetLoad, _Load
 
 
 def body(cell="hexahedron", n=2, degree=1):
@@ -267,3 +268,27 @@ def test_tags_on_one_rank_only(script_on_ranks, ranks):
         """,
     )
     assert output.count("same") == ranks
+
+
+@pytest.mark.parametrize("cell, dofs", [("quadrilateral", 6), ("hexahedron", 27)])
+def test_loads_know_their_degrees_of_freedom_and_what_they_ramp(cell, dofs):
+    """Two cells along each side: 3 nodes of 2, or 9 of 3 components, on one side."""
+    tags, u = body(cell)
+    V, dim = u.function_space, u.function_space.mesh.geometry.dim
+    load, gravity = di.Traction(tags, 5, [1.0] * dim), di.BodyForce([2.0] * dim)
+    assert isinstance(load, _FacetLoad) and isinstance(gravity, _Load) and not isinstance(gravity, _FacetLoad)
+    found = load._dofs(V)
+    assert len(set(found)) == len(found) == dofs
+    assert V.tabulate_dof_coordinates()[found // dim, 0] == pytest.approx(2.0, abs=1e-14)
+    assert np.array_equal(gravity._dofs(V), np.arange(len(u.x.array)))
+    for one in (load, gravity):
+        with pytest.raises(AttributeError, match=f"a {type(one).__name__} has no constant before"):
+            one.constant
+        one.form(u, ufl.TestFunction(V), material(u))
+        ((constant, reached),) = one.ramps()
+        assert constant is one.constant and not np.any(reached) and not one.varies()
+        one.form(u, ufl.TestFunction(V), material(u))
+        assert one.constant is constant  # of one mesh
+    assert repr(load) == f"Traction(tag=5, vector={[1.0] * dim})"
+    with pytest.raises(NotImplementedError):
+        _Load().form(u, None, None)

@@ -7,6 +7,7 @@ from dolfinx import mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.materials import _Material
 
 LAWS = [di.LinearElastic, di.StVenantKirchhoff, di.NeoHookean]
 
@@ -149,3 +150,22 @@ def test_same_error_on_all_ranks(script_on_ranks, ranks):
         """,
     )
     assert output.count("same") == ranks
+
+
+@pytest.mark.parametrize("kind", LAWS)
+def test_constants_of_a_material_belong_to_a_mesh(kind):
+    law = kind(100.0, 0.25, 2.0)
+    assert isinstance(law, _Material)
+    first, second = (mesh.create_unit_cube(MPI.COMM_SELF, 1, 1, 1) for _ in range(2))
+    assert law.constants_on(first) == {} and law.parts() == [(None, law)]
+    density = law.mass_density(first)
+    assert law.mass_density(first) is density is not law.mass_density(second) and float(density) == 2.0
+    law.law(first)
+    assert {n: float(c) for n, c in law.constants_on(first).items()} == {"E": 100.0, "nu": 0.25, "density": 2.0}
+    assert law.elastic_law(first).E is law.constants_on(first)["E"]
+    # lambda = mu = E/(2 (1 + nu)) at nu = 1/4.
+    assert law.lame == pytest.approx((40.0, 40.0)) and law.p_wave_modulus == pytest.approx(120.0)
+    sheet = kind(100.0, 0.25, 2.0, "plane_stress")
+    assert sheet.p_wave_modulus == pytest.approx(100.0 / (1 - 0.25**2)) == pytest.approx(2.0 * sheet.wave_speed**2)
+    with pytest.raises(ValueError, match="does not fit"):
+        sheet.law(first)

@@ -117,3 +117,14 @@ def test_reading_leaves_gmsh_as_it_was():
         assert gmsh.option.getNumber("General.Terminal") == 1
     finally:
         gmsh.finalize()
+
+
+def test_a_mesh_unpacks_with_its_tags_and_keeps_its_report():
+    domain = mesh.create_unit_square(MPI.COMM_SELF, 2, 2)
+    tags = mesh.meshtags(domain, 2, np.arange(8, dtype=np.int32), np.repeat([3, 4], 4).astype(np.int32))
+    report = mesh_input.check_mesh(domain, tags)
+    assert isinstance(report, mesh_input.MeshReport) and report.cell_counts == {3: 4, 4: 4} and report.num_cells == 8
+    # Right-angled triangles with legs of 1/2: |det J| is 1/4, their extent 1/2.
+    assert report.smallest_det == pytest.approx(1.0, rel=1e-14)
+    found = mesh_input.MeshInput(domain, tags, None, {"steel": 3}, report=report)
+    assert tuple(found) == (domain, tags, None) and found.facet_names == {}

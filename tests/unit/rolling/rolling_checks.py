@@ -13,6 +13,10 @@ from over_ranks import largest, smallest
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
+from dolfinx_impact.rolling.power_balance import PowerBalance
+from dolfinx_impact.rolling.rolling_contact import RollingLagrange
+from dolfinx_impact.rolling.sweep_state import SweepState
+from dolfinx_impact.rolling.transport import Transport
 
 COMM = MPI.COMM_WORLD
 INNER, OUTER = 1.0, 2.0
@@ -316,6 +320,7 @@ def check_power_balance():
         problem = wheel_on_plane(law=law)
         problem.sweep(creep=[0.04], lateral=[2e-3], spin=[0.05], progress=False)
         balance, contact = problem.power_balance(), problem.contact[0]
+        assert isinstance(balance, PowerBalance)
         # The plane moves with -1 along x. Spin creep drives as well: all of it is more than torque and traction.
         driven = problem.torque * problem.omega - contact.force[0] * 1.0
         assert balance.driving > driven > 0.0
@@ -712,3 +717,56 @@ def disc():
     longest, length = np.max(np.abs(x), axis=1), np.linalg.norm(x, axis=1)
     x *= np.divide(longest, length, out=np.ones_like(length), where=length > 0)[:, None]
     return domain
+
+
+def check_the_state_of_a_sweep_is_read_and_set():
+    """Displacement and contact of a solution, after another one, are those of before."""
+    problem = wheel_on_plane()
+    problem.solve()
+    state = SweepState(problem._equilibrium, problem._cpp_object.settle)
+    table = COMM.bcast(state.read(), root=0)
+    assert table[0].shape == state.shape and len(table[1]) == state.num_totals
+    u, force = problem.u.x.array.copy(), problem.contact[0].force
+    problem.contact[0].pair.master.velocity = (-1.01, 0.0, 0.0)
+    problem.solve()
+    assert COMM.allreduce(float(np.abs(problem.u.x.array - u).max(initial=0.0)), MPI.MAX) > 1e-6
+    state.set(*table)
+    np.testing.assert_allclose(problem.u.x.array, u, atol=1e-15)
+    np.testing.assert_allclose(problem.contact[0].force, force, atol=1e-14)
+    again = COMM.bcast(state.read(), root=0)
+    for one, other in zip(again, table, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-15)
+
+
+def check_contacts_of_a_rolling_problem_are_bound_to_its_flow():
+    problem = wheel_on_plane()
+    spec = problem.contact[0].spec
+    assert isinstance(spec, RollingLagrange) and isinstance(spec, di.Lagrange)
+    given = di.Lagrange(spec.pair, quadrature_degree=4)
+    bound = RollingLagrange(given, spec.flow)
+    assert (bound.pair, bound.quadrature_degree, bound.basis) == (given.pair, 4, given.basis)
+    assert type(bound._bind(problem._equilibrium)) is type(problem.contact[0])
+
+
+def check_transport_follows_the_sense_of_the_flow():
+    """Streamlines are found anew where the flow turns round, and only there; what is carried is the state at points."""
+    domain = mesh.create_rectangle(COMM, [(0.0, 0.0), (6.0, 1.0)], (12, 2), mesh.CellType.quadrilateral)
+    motion = di.Translation((-1.0, 0.0))
+    problem = flowing_steel(domain, motion)
+    transport = problem._transport
+    assert isinstance(transport, Transport) and not transport.closes and transport.turn_changes == []
+    lines = transport._lines
+    motion.velocity = (-2.0, 0.0)
+    transport.update()
+    assert transport._lines is lines
+    motion.velocity = (2.0, 0.0)
+    transport.update()
+    assert transport._lines is not lines and transport._lines.count == lines.count
+    motion.velocity = (-1.0, 0.0)
+    problem.solve()
+    found = problem.history["plastic_strain"].values
+    assert COMM.allreduce(float(found.max(initial=0.0)), MPI.MAX) > 1e-3
+    kept = transport.state()
+    problem.history["plastic_strain"].values = 0.0 * found
+    transport.restore(kept)
+    np.testing.assert_allclose(problem.history["plastic_strain"].values, found, atol=1e-15)

@@ -70,12 +70,9 @@ class NodalPair(ContactOutput):
     Attributes:
         nodes: owned slave nodes, (n).
         weight: areas of the nodes, (n) [L^2].
-        points: present positions, (n, gdim) [L].
         pressure: contact pressure, (n); in balanced contact twice that of the springs of this direction, which bear
             half [F/L^2].
         traction: contact traction on the slave, (n, gdim), likewise [F/L^2].
-        slip: slip of the nodes, (n, gdim) [L].
-        status: ContactStatus numbers, (n).
         stiffness: contact stiffness of the nodes, (n) [F/L].
         motion: displacement of a rigid master as a function of time; None for deformable masters [L].
         stored: energy stored in the springs, of all ranks; zero in kinematic contact [F L].
@@ -144,7 +141,6 @@ class NodalPair(ContactOutput):
 
     @property
     def options(self) -> dict[str, Any]:
-        """Options by name, for the signature of a checkpoint."""
         return {**self.parameters, "by_step": self.by_step}
 
     @property
@@ -154,11 +150,9 @@ class NodalPair(ContactOutput):
 
     @property
     def kind(self) -> str:
-        """Name of the method that enforces the contact, as checkpoints have it."""
         return "KinematicContact" if self.kinematic else "PenaltyContact"
 
     def facets(self) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | _cpp.gap.Rigid]:
-        """Facets of slave and master on this rank (C++), or the obstacle."""
         return self._surfaces
 
     def _make(self, balanced: bool = False, **options: Any) -> _cpp.nodal.NodalPair:
@@ -182,25 +176,17 @@ class NodalPair(ContactOutput):
 
     @property
     def kinematic(self) -> bool:
-        """Whether the contact is kinematic."""
         return self._law is _cpp.nodal.KinematicContact
 
     def sides(self) -> list[_cpp.nodal.NodeToSurface]:
-        """C++ contacts of this pair.
-
-        Returns:
-            One contact, or for balanced contact one per direction.
-        """
         return self._sides
 
     @property
     def gap(self) -> FloatArray:
-        """Gaps, (n), positive if open, infinite without master [L]."""
         return self._gaps()["gap"]
 
     @property
     def normal(self) -> FloatArray:
-        """Unit normals out of the master, (n, gdim) [1]."""
         return self._gaps()["normal"]
 
     def _gaps(self) -> dict[str, FloatArray]:
@@ -212,11 +198,9 @@ class NodalPair(ContactOutput):
         return self._known
 
     def refresh(self) -> None:
-        """Bring the results to the present state. Collective."""
         self.update_results()
 
     def update_results(self) -> None:
-        """Copy pressures, tractions and totals of the last step. Collective."""
         results = self._sides[0].results()
         for name in RESULTS[len(GAPS) :]:
             setattr(self, name, results[name])
@@ -241,11 +225,6 @@ class NodalPair(ContactOutput):
         self.dissipated, self.stored = float(sums[-2]), float(sums[-1])
 
     def results_state(self) -> tuple[_cpp.state.State, _cpp.state.State]:
-        """Results of `update_results` for a checkpoint.
-
-        Returns:
-            Results by node, and totals.
-        """
         rows, totals = _cpp.state.State("results"), _cpp.state.State("contact")
         rows.at(Place.node, self.nodes.astype(np.int64))
         for name in RESULTS:
@@ -256,12 +235,7 @@ class NodalPair(ContactOutput):
         return rows, totals
 
     def resume_results(self, rows: _cpp.state.State, totals: _cpp.state.State) -> None:
-        """Set results from a checkpoint, which has no contact forces to compute them from.
-
-        Args:
-            rows: results by node, as results_state returned them.
-            totals: totals, as results_state returned them.
-        """
+        """There are no contact forces in a checkpoint to compute them from."""
         for name in RESULTS:
             now, values = getattr(self, name), rows.array(name)
             values = values.reshape(now.shape).astype(now.dtype)
@@ -273,9 +247,5 @@ class NodalPair(ContactOutput):
         self.area, self.dissipated = (float(value) for value in totals.array("area"))
 
     def covered(self) -> FloatArray:
-        """Part of each node's area that is in contact: one or zero.
-
-        Returns:
-            Fractions, (n) [1].
-        """
+        """One or zero: a node is in contact or not."""
         return (self.status > 0).astype(float)

@@ -108,11 +108,9 @@ class LagrangeContact(StaticContactView):
 
     @property
     def options(self) -> dict[str, Any]:
-        """Options by name, for the signature of a checkpoint."""
         return {"basis": self.basis, "quadrature_degree": self.quadrature_degree}
 
     def facets(self) -> tuple[Any, Any]:
-        """Facets of slave and master on this rank (C++); None: the master is rigid."""
         return self.geometry.slave, self.geometry.master
 
     # --- state of the nodes ------------------------------------------------------------------------------------------
@@ -203,35 +201,22 @@ class LagrangeContact(StaticContactView):
 
     @property
     def last_change(self) -> int:
-        """Largest global number of the nodes that the last update_active_set changed, -1 without any."""
         return int(self._cpp_object.last_change)
 
     # --- Newton iterations -------------------------------------------------------------------------------------------
 
     def num_turning(self) -> int:
-        """Nodes whose friction traction is not yet that of Coulomb's law: the direction of slip has turned since the
-        linear problem was made, which in space it may without any change of the active set. Collective."""
+        """In space the direction of slip may turn without any change of the active set."""
         return int(self._cpp_object.num_turning())
 
     def set_redundant(self, nodes: IntArray) -> None:
-        """Take over which normal conditions a linear problem has left out, as others of the same nodes imply them.
-
-        Args:
-            nodes: index of the nodes.
-        """
         self._cpp_object.set_redundant(nodes)
 
     def over_constrained(self) -> IntArray:
-        """Owned nodes whose condition was left out in this increment, as others contradict it."""
         return self._cpp_object.over_constrained()
 
     def gap_round_off(self) -> float:
-        """Norm of the forces that close gaps of the size of their round-off: what multipliers are when bodies touch and
-        nothing presses them. Collective.
-
-        Returns:
-            The norm [F].
-        """
+        """These are what multipliers are when bodies touch and nothing presses them."""
         return float(self._cpp_object.gap_round_off())
 
     def closing_forces(self) -> None:
@@ -240,75 +225,37 @@ class LagrangeContact(StaticContactView):
     # --- linear system -----------------------------------------------------------------------------------------------
 
     def constraints(self) -> _cpp.multipliers.Constraints:
-        """Constraints of the active nodes for the linear system."""
         return self._cpp_object.constraints()
 
     def friction_springs(self) -> tuple[PETSc.Mat, FloatArray] | None:
-        """What Newton's method sees of tractions that change with the slip. Collective.
-
-        Returns:
-            matrix [F/L], and force over owned dofs to take from the right-hand side [F], of springs and of imposed
-            tractions; or None.
-        """
         return self._cpp_object.friction_springs()
 
     def imposed_friction_forces(self) -> FloatArray | None:
-        """Nodal forces on both bodies of tractions imposed along prescribed directions, owned dofs [F]; or None.
-        Collective."""
         found: FloatArray = self._cpp_object.imposed_friction_forces()
         return found if len(found) else None
 
     def update_linearised_gap(self, increments: FloatArray) -> None:
-        """Gaps and slips after a linear solution, linear in its increments. Collective.
-
-        Args:
-            increments: of displacement, owned dofs [L].
-        """
         self._cpp_object.update_linearised_gap(increments)
 
     def linearised_response(self, increments: FloatArray, forces: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What gaps and multipliers gain by increments and the forces they cause, without friction. Collective.
-
-        Args:
-            increments: of displacement, owned dofs [L].
-            forces: nodal, owned dofs [F].
-
-        Returns:
-            gaps (n) [L], multipliers (n) [F/L^2].
-        """
         gap, multiplier = self._cpp_object.linearised_response(np.ascontiguousarray(increments), forces)
         return gap, multiplier
 
     def correct_linearisation(self, u: FloatArray) -> None:
-        """After update_linearised_gap: take in what gaps and slips differ from the linear ones. Collective.
-
-        A second-order correction, as in sequential quadratic programming: normals turn and points slide over the master
-        also in the conditions, which condensed multipliers cannot see in their matrix.
-
-        Args:
-            u: displacements that the linear problem leads to, owned and ghost dofs [L].
-        """
+        """As in sequential quadratic programming: normals turn and points slide over the master also in the conditions,
+        which condensed multipliers cannot see in their matrix. It comes after `update_linearised_gap`."""
         self._cpp_object.correct_linearisation(u)
 
     def update_multipliers(self, residual: FloatArray) -> None:
-        """Multipliers from equilibrium of the slave's nodes.
-
-        Args:
-            residual: nodal, owned dofs, without contact forces [F].
-        """
+        """From the equilibrium of the slave's nodes."""
         self._cpp_object.update_multipliers(residual)
 
     def set_multipliers(self, forces: FloatArray) -> None:
-        """Multipliers from a saddle point. After `constraints` and `friction_springs`, whose state the solution is of,
-        and `update_linearised_gap`.
-
-        Args:
-            forces: (n, gdim) along the directions of the frames, zero where nothing is constrained [F].
-        """
+        """It comes after `constraints` and `friction_springs`, whose state the solution is of, and
+        `update_linearised_gap`."""
         self._cpp_object.set_multipliers(forces)
 
     def rotate_friction_traction(self) -> None:
-        """Friction tractions known from a saddle point follow the surface and the slip to the present state."""
         self._cpp_object.rotate_friction_traction()
 
     def unit_gap(self, number: int) -> FloatArray:
@@ -335,5 +282,4 @@ class LagrangeContact(StaticContactView):
         return self.geometry.displacement
 
     def update_totals(self) -> None:
-        """Sum up force, moment, area and work of friction of a converged increment. Collective."""
         self._cpp_object.update_totals()

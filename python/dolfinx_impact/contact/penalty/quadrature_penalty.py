@@ -61,11 +61,9 @@ class QuadraturePenalty(StaticContactView):
 
     @property
     def kind(self) -> str:
-        """Name of the method that enforces the contact."""
         return "penalty at quadrature points"
 
     def facets(self) -> tuple[Any, Any]:
-        """Facets of slave and master on this rank (C++); None: the master is rigid."""
         return self.slave, self.master
 
     @property
@@ -116,28 +114,14 @@ class QuadraturePenalty(StaticContactView):
         return np.array(self._cpp_object.state().array(name)).reshape(-1)
 
     def update_gap(self, u: FloatArray) -> None:
-        """Update candidates, gaps, normals and tractions. Collective.
-
-        Args:
-            u: displacements, owned and ghost dofs [L].
-        """
         if not self._cpp_object.has_begun:  # a state is asked for before anything was solved
             self.begin_step(u, self.pair.rigid_master.displacement if self.pair.rigid else None)
         super().update_gap(u)
 
     def update_multipliers(self, residual: FloatArray) -> None:
-        """Do nothing: tractions follow from gaps.
-
-        Args:
-            residual: nodal residual without contact forces, owned dofs [F].
-        """
+        """Nothing: tractions follow from gaps."""
 
     def closing_forces(self) -> FloatArray | None:
-        """Forces that close the gaps of the points of close_nearest. Collective.
-
-        Returns:
-            Forces to be subtracted from the right-hand side, owned dofs; None without such points [F].
-        """
         return self._cpp_object.closing_forces() if self._cpp_object.closes_nearest else None
 
     # --- results -----------------------------------------------------------------------------------------------------
@@ -157,18 +141,9 @@ class QuadraturePenalty(StaticContactView):
         return nodes, means
 
     def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
-        """Values of the contact points by nodes. Collective.
-
-        Real values become means over the points with finite ones, as a gap without master is infinite; a node without
+        """Real values become means over the points with finite ones, as a gap without master is infinite; a node without
         finite values gets an infinite one. Integers, as status, become the one with the largest part of the node's
-        area.
-
-        Args:
-            values: an array over the contact points, (n) or (n, gdim).
-
-        Returns:
-            Numbers of nodes on this rank, (m), and their values, (m) or (m, gdim).
-        """
+        area."""
         values = np.asarray(values)
         if np.issubdtype(values.dtype, np.integer):
             nodes, parts = self.nodal(values[:, None] == np.arange(len(ContactStatus)))

@@ -43,18 +43,13 @@ class SavedImplicit(Protocol):
 
     @property
     def time(self) -> float:
-        """Present time [T]."""
+        ...
 
     @property
     def _cpp_object(self) -> _cpp.problems.NewmarkProblem:
         """The problem in C++."""
 
     def sample(self, times: FloatArray) -> FloatArray:
-        """Values of all functions of time. Collective.
-
-        Args:
-            times: times, (n) [T].
-        """
         ...
 
 

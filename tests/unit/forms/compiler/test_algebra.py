@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Pointwise algebra: canonical sums, common factors, shared reciprocals; and the schedule that writes them."""
 
+from types import SimpleNamespace
+
+import basix.ufl
 import ffcx.codegeneration.lnodes as L
 import numpy as np
 import pytest
+import ufl
+from ufl.corealg.traversal import unique_post_traversal
 
 from dolfinx_impact.forms.compiler import algebra as alg
 from dolfinx_impact.forms.compiler.cxx import CxxFormatter
@@ -236,3 +241,24 @@ def test_uses_are_counted(algebra):
     product = algebra.multiply(a, b)
     total = algebra.add(product, a)
     assert alg.uses([total[1], a[1]])[a[1]] >= 2
+
+
+def test_a_graph_of_ffcx_becomes_values(algebra, rng):
+    """Sums, products, quotients, powers and functions of UFL, in the order of the graph."""
+    space = ufl.FunctionSpace(
+        ufl.Mesh(basix.ufl.element("Lagrange", "triangle", 1, shape=(2,))), basix.ufl.element("Lagrange", "triangle", 1)
+    )
+    f, g = ufl.Coefficient(space), ufl.Coefficient(space)
+    expression = ufl.sqrt(f) * ufl.max_value(f, g) + (f + g - 2) * f / g - abs(g) ** 3
+    order = list(dict.fromkeys(unique_post_traversal(expression)))
+    nodes = {i: {"expression": e, "status": "active", "mt": e if e in (f, g) else None} for i, e in enumerate(order)}
+    nodes[len(order) - 1]["target"] = [0]
+    number = {e: i for i, e in enumerate(order)}
+    parents = {i: [number[p] for p in order if e in p.ufl_operands] for i, e in enumerate(order)}
+    graph = SimpleNamespace(nodes=nodes, in_edges=parents)
+    symbol = {f: "f", g: "g"}
+    values = alg.GraphReader(algebra, graph, lambda mt, tr: algebra.symbol((symbol[mt],), alg.POINT)).read()
+    for a, b in rng.uniform(0.5, 2.0, (5, 2)):
+        scope = {"sqrt": np.sqrt, "max_value": max, "abs": abs, "f": a, "g": b}
+        expected = np.sqrt(a) * max(a, b) + (a + b - 2) * a / b - b**3
+        assert evaluate(values[len(order) - 1], scope) == pytest.approx(expected, rel=1e-14)

@@ -8,7 +8,7 @@ import ffcx.codegeneration.lnodes as L
 import pytest
 
 from dolfinx_impact.forms.compiler import algebra as alg
-from dolfinx_impact.forms.compiler.collect import collect
+from dolfinx_impact.forms.compiler.collect import _Collector, collect
 from dolfinx_impact.forms.compiler.cxx import CxxFormatter
 from dolfinx_impact.forms.compiler.emit import flops
 from dolfinx_impact.forms.compiler.schedule import Schedule
@@ -177,3 +177,15 @@ def test_what_is_put_together_is_multiplied_out_the_second_time(algebra, rng):
     numbers = {(n,): y for n, y in zip(by_name, rng.uniform(0.2, 0.8, size=len(by_name)))}
     for a, b in zip(found, values):
         assert value_of(a, numbers) == pytest.approx(value_of(b, numbers), rel=1e-14)
+
+
+def test_what_a_collector_has_rewritten_it_keeps(algebra, rng):
+    """x a + x b + y c as x (a + b) + y c, once, and any multiple of it."""
+    x, y, a, b, c = symbols(algebra, "x y a b c").values()
+    value = algebra.add(algebra.multiply(x, a), algebra.multiply(x, b), algebra.multiply(y, c))
+    collector = _Collector(algebra, [value[1]])
+    found = collector.scaled(3.0, value[1])
+    assert found[1] is collector.scaled(-1.0, value[1])[1] and found[0] == 3.0 * value[0]
+    assert operations([found]) <= operations([value])
+    numbers = dict(zip(((n,) for n in "xyabc"), rng.random(5)))
+    assert value_of(found, numbers) == pytest.approx(3.0 * value_of(value, numbers), rel=1e-14)

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: MIT
 """Forms with point laws: descriptors, both routes to a kernel, signatures, and errors that say what does not fit."""
 
+from types import SimpleNamespace
+
 import basix.ufl
+import ffcx.codegeneration.lnodes as L
 import pytest
 import ufl
 
 from dolfinx_impact.forms import registration
-from dolfinx_impact.forms.compiler import emit, frontend
+from dolfinx_impact.forms.compiler import algebra, emit, frontend, kernel
+from dolfinx_impact.forms.compiler.arguments import ElementTensor
+from dolfinx_impact.forms.compiler.cxx import CxxFormatter
+from dolfinx_impact.forms.compiler.local import LocalPart
 from dolfinx_impact.forms.point_law import PointLaw
 
 
@@ -157,3 +163,28 @@ def test_arguments_of_a_law_are_checked():
     ):
         with pytest.raises(error, match=words):
             PointLaw(**arguments)
+
+
+def test_symbols_of_the_local_equations_in_a_kernel():
+    """The iterate inside Newton's method, its solution behind it; a law in closed form has neither."""
+    form, law, _ = _creep()
+    local = kernel.KernelWriter(_build(form, law)[0]).local
+    assert isinstance(local, LocalPart) and local.solves_last and not local.kept
+    levels = [local.unknown(0, iterating)[1].level for iterating in (True, False)]
+    assert levels == [algebra.ITERATE, algebra.SOLVED]
+    text = [CxxFormatter()(local.access(key)) for key in (("iterate", 0), ("solution", 0), ("average", 2, 1))]
+    assert text == ["iterate[0]", "local_x[0]", "average_2[1]"]
+
+
+def test_sums_over_the_points_of_a_form_of_rank_0():
+    """Set to zero before the loop, added to at each point, and written once behind it."""
+    writer = SimpleNamespace(
+        integral=SimpleNamespace(rank=0, integral_type="cell"), schedule=SimpleNamespace(expression=lambda v: v)
+    )
+    x = L.Symbol("x", L.DataType.SCALAR)
+    element = ElementTensor(writer, SimpleNamespace(number=3, num_points=4), [((None, 0), x)])
+    (before,), (inside,), (after,) = element.before(), element.inside(), element.after()
+    texts = [[CxxFormatter()(s).strip() for s in part] for part in (before.declarations, [inside], after.statements)]
+    assert texts[0][0].startswith("T sum_3[1]") and texts[1:] == [["sum_3[0] += x;"], ["A[0] += sum_3[0];"]]
+    writer.integral.integral_type = "expression"  # values at points are no sums
+    assert element.before() == element.after() == []

@@ -91,3 +91,15 @@ def test_reduction_is_smaller_where_it_can_be():
 def test_nothing_is_left_of_a_zero_table():
     basis, reduction = tensor.reduce_columns(np.zeros((4, 3)))
     assert basis.shape == (4, 0) and reduction.shape == (0, 3)
+
+
+def test_factors_of_a_square_on_two_points():
+    """1 - x and x at Gauss's points (1 -+ 1/sqrt(3))/2; nodes of the lattice, the last direction the fastest."""
+    points, _ = basix.make_quadrature(basix.CellType.quadrilateral, 3)
+    factor = tensor.factors(basix.ufl.element("Lagrange", "quadrilateral", 1), points)
+    x = (1 + np.array([-1, 1]) / np.sqrt(3)) / 2
+    assert isinstance(factor, tensor.Factors) and (factor.num_points, factor.num_nodes) == (2, 2)
+    np.testing.assert_allclose(factor.table(0), np.column_stack([1 - x, x]), atol=1e-15)
+    np.testing.assert_allclose(factor.table(1), [[-1, 1], [-1, 1]], atol=1e-15)
+    corners = basix.geometry(basix.CellType.quadrilateral)[list(factor.node)]
+    assert corners.tolist() == [[0, 0], [0, 1], [1, 0], [1, 1]]
