@@ -3,6 +3,7 @@
 
 import logging
 
+import basix.ufl
 import numpy as np
 import pytest
 from dolfinx import fem, mesh
@@ -120,3 +121,43 @@ def test_a_contact_that_opens_is_told(method, caplog):
         problem.solve()
     assert "contacts that were closed carry no force at the end" in caplog.text
     assert problem.contact[0].pair.name in caplog.text and "smallest gap 2.000e-02" in caplog.text
+
+
+def plate_and_punch(cell, method, approach):
+    """A narrow punch over a plate of 0.2 that is held at its ends; the punch's upper face is moved down so far."""
+    quads = {"plate": ((-1.0, -0.2), (1.0, 0.0), (10, 2)), "punch": ((-0.25, 0.0), (0.25, 0.3), (3, 2))}
+    x, cells, tags = [], [], []
+    for k, (low, high, count) in enumerate(quads.values()):
+        part = mesh.create_rectangle(MPI.COMM_SELF, [low, high], count, getattr(mesh.CellType, cell))
+        cells.append(part.geometry.dofmap + sum(len(p) for p in x))
+        x.append(part.geometry.x[:, :2])
+        tags += [k + 1] * len(cells[-1])
+    element = basix.ufl.element("Lagrange", cell, 1, shape=(2,))
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.concatenate(cells), np.concatenate(x), element)
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    of = np.array(tags)[domain.topology.original_cell_index]
+    domain.topology.create_connectivity(1, 2)
+    facets = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], 0.0))
+    of = np.array([of[domain.topology.connectivity(1, 2).links(f)[0]] for f in facets], dtype=np.int32)
+    ends = fem.locate_dofs_geometrical(V, lambda x: np.isclose(np.abs(x[0]), 1.0))
+    top = fem.locate_dofs_geometrical(V, lambda x: np.isclose(x[1], 0.3))
+    down = fem.Function(V)
+    down.x.array.reshape(-1, 2)[top] = (0.0, -approach)
+    pair = di.ContactPair(mesh.meshtags(domain, 1, facets, of), 2, 1)
+    return di.StaticProblem(
+        fem.Function(V), di.LinearElastic(1.0, 0.3, hypothesis="plane_strain"),
+        bcs=[fem.dirichletbc(np.zeros(2), ends, V), fem.dirichletbc(down, top)], contact=[method(pair)],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("cell", ("quadrilateral", "triangle"))
+@pytest.mark.parametrize("method", (di.Lagrange, di.Penalty))
+def test_a_punch_does_not_jump_through_a_plate(cell, method):
+    """In one increment of five times the plate's thickness: open beyond the plate is no equilibrium."""
+    problem = plate_and_punch(cell, method, 0.01)
+    assert problem.solve().converged and problem.contact[0].force[1] > 0.0
+    problem = plate_and_punch(cell, method, 1.0)
+    start = problem.u.x.array.copy()
+    with pytest.raises(RuntimeError, match="passed through the master in this increment"):
+        problem.solve(cut_backs=0)
+    assert np.array_equal(problem.u.x.array, start)
