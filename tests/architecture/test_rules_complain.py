@@ -334,7 +334,11 @@ class Elastic:  # meets Body
     def area(self):
         """Area of the surface. No base has it."""
 ''',
-    "python/impact_verify/body.py": 'class Other:\n    def residual(self):\n        """Internal minus external forces."""\n',
+    "python/impact_verify/body.py": '''
+class Other:  # of another package
+    def residual(self):
+        """Internal minus external forces."""
+''',
 }
 
 
