@@ -9,6 +9,7 @@ fastest. The user chooses the units; docstrings give dimensions: [L] length, [F]
 from . import contact, elements, explicit, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
+from .discretisation import StaticSolution
 from .elements import (
     element_ale_inertia,
     element_ale_load,
@@ -32,7 +33,7 @@ from .elements import (
     second_piola,
 )
 from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
-from .model import Model, StaticSolution
+from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic

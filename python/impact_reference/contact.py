@@ -13,8 +13,8 @@ from typing import TypeAlias, Union
 import numpy as np
 
 from . import _reference, rules
-from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, Rule
-from .model import Model, _floats, _integers, _vector
+from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, Rule, floats, integers, vector
+from .discretisation import Discretisation
 from .sparse import Csr
 
 OPEN, STICK, SLIP = 0, 1, 2
@@ -177,12 +177,12 @@ class ContactSolution:
 def _obstacle(master: Obstacle, gdim: int) -> _ObstacleData:
     zero = np.zeros(gdim)
     if isinstance(master, RigidPlane):
-        return ("plane", _vector(master.point), _vector(master.normal), 0.0)
+        return ("plane", vector(master.point), vector(master.normal), 0.0)
     axis = master.axis if isinstance(master, RigidCylinder) else None
     if isinstance(master, RigidCylinder) and gdim == 3 and axis is None:
         raise ValueError("a rigid cylinder in space needs an axis")
     shape = "sphere" if isinstance(master, RigidSphere) else "cylinder"
-    return (shape, _vector(master.center), zero if axis is None else _vector(axis), float(master.radius))
+    return (shape, vector(master.center), zero if axis is None else vector(axis), float(master.radius))
 
 
 class Contact:
@@ -206,7 +206,7 @@ class Contact:
 
     def __init__(
         self,
-        model: Model,
+        model: Discretisation,
         slave: ArrayLike,
         master: ArrayLike | Obstacle,
         friction: float = 0.0,
@@ -221,8 +221,8 @@ class Contact:
         if isinstance(master, (RigidPlane, RigidSphere, RigidCylinder)):
             self.obstacle = master
         else:
-            facets = _integers(master, "master", 2)
-        self.slave_facets, self.master_facets = _integers(slave, "slave", 2), facets
+            facets = integers(master, "master", 2)
+        self.slave_facets, self.master_facets = integers(slave, "slave", 2), facets
         self._prescribed: IntArray = np.asarray(prescribed, dtype=np.int64).reshape(-1)
         self._limit = np.inf if search_distance is None else float(search_distance)
         self._contact = self._compiled(self.friction)
@@ -267,7 +267,7 @@ class Contact:
     def _displacement(self) -> FloatArray:
         if self.obstacle is None:
             return np.zeros(self.gdim)
-        return np.broadcast_to(_floats(self.obstacle.displacement), (self.gdim,)).copy()
+        return np.broadcast_to(floats(self.obstacle.displacement), (self.gdim,)).copy()
 
     def no_history(self) -> History:
         """History of a contact that was never closed.
@@ -281,10 +281,10 @@ class Contact:
 
     def _history(self, history: History | None) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]:
         h = self.no_history() if history is None else history
-        traction, slip = _floats(h.traction), _floats(h.slip)
+        traction, slip = floats(h.traction), floats(h.slip)
         if traction.shape != (self.num_points, self.gdim) or slip.shape != traction.shape:
             raise ValueError(f"a history of this contact has {self.num_points} points, found {traction.shape}")
-        return _vector(h.u), _vector(h.displacement), traction, slip, _integers(h.touched, "touched", 1)
+        return vector(h.u), vector(h.displacement), traction, slip, integers(h.touched, "touched", 1)
 
     def closest_points(self, u: ArrayLike) -> Points:
         """Closest points of the master to the slave's quadrature points.
@@ -323,13 +323,13 @@ class Contact:
         chi_t = chi if chi_t is None else chi_t
         if not (np.isfinite(chi) and chi >= 0 and np.isfinite(chi_t) and chi_t >= 0) or chi > 0 == chi_t:
             raise ValueError(f"penalties must be positive and finite, found chi = {chi!r}, chi_t = {chi_t!r}")
-        multiplier = np.zeros(0) if multiplier is None else _vector(multiplier)
+        multiplier = np.zeros(0) if multiplier is None else vector(multiplier)
         if multiplier.size not in (0, self.num_points):
             raise ValueError(f"multiplier needs {self.num_points} values, found {multiplier.size}")
         force, tangent, points, history = self._contact.penalty(
             *self.facet_rule,
             self._displacement(),
-            _vector(u),
+            vector(u),
             float(chi),
             float(chi_t),
             *self._history(history),
@@ -360,7 +360,7 @@ class Contact:
             ValueError: an unknown basis, or multipliers of a wrong shape.
         """
         nodes = len(self.model.field_points)
-        z = np.zeros((nodes, self.gdim)) if multipliers is None else _floats(multipliers)
+        z = np.zeros((nodes, self.gdim)) if multipliers is None else floats(multipliers)
         if z.shape != (nodes, self.gdim):
             raise ValueError(f"multipliers need shape ({nodes}, {self.gdim}), found {z.shape}")
         h = self.no_history() if history is None else history
@@ -368,9 +368,9 @@ class Contact:
             *self.segment_rule(),
             self._displacement(),
             basis,
-            _vector(u),
-            _vector(h.u),
-            _vector(h.displacement),
+            vector(u),
+            vector(h.u),
+            vector(h.displacement),
             z,
         )
         D, M, tangent = (Csr(*a.arrays) for a in (D, M, tangent))
@@ -387,9 +387,9 @@ class Contact:
     def _loads(
         self, fixed_dofs: ArrayLike, values: ArrayLike, load: ArrayLike | None
     ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
-        fixed = _integers(fixed_dofs, "fixed_dofs", 1)
-        values = np.broadcast_to(_floats(values), fixed.shape).copy()
-        load = np.zeros(self.model.num_dofs) if load is None else _vector(load)
+        fixed = integers(fixed_dofs, "fixed_dofs", 1)
+        values = np.broadcast_to(floats(values), fixed.shape).copy()
+        load = np.zeros(self.model.num_dofs) if load is None else vector(load)
         return fixed, values, load, self._displacement()
 
     def solve_penalty(

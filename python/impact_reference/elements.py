@@ -13,17 +13,9 @@ import numpy as np
 
 from . import _reference, rules
 from ._reference import Material
-from .array_types import ArrayLike, FloatArray, Rule
+from .array_types import ArrayLike, FloatArray, Rule, floats, vector
 
 Facet: TypeAlias = Union[int, Sequence[int]]
-
-
-def _array(values: ArrayLike) -> FloatArray:
-    return np.ascontiguousarray(values, dtype=float)
-
-
-def _vector(values: ArrayLike) -> FloatArray:
-    return np.atleast_1d(_array(values)).reshape(-1)
 
 
 def _cell(
@@ -63,7 +55,7 @@ def element_stiffness(
         k_e, shape (gdim n, gdim n) [F/L].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "stiffness", material.hypothesis)
-    return _reference.element_stiffness(cell, _array(X), material)
+    return _reference.element_stiffness(cell, floats(X), material)
 
 
 def element_b_matrix(
@@ -84,8 +76,8 @@ def element_b_matrix(
     Returns:
         B, shape (num_strains, gdim n) [1/L].
     """
-    cell = _cell(cell_type, degree, geometry_degree, (_array(point).reshape(1, -1), [1.0]), "stiffness", hypothesis)
-    return _reference.element_b_matrix(cell, _array(X), hypothesis)
+    cell = _cell(cell_type, degree, geometry_degree, (floats(point).reshape(1, -1), [1.0]), "stiffness", hypothesis)
+    return _reference.element_b_matrix(cell, floats(X), hypothesis)
 
 
 def _internal(
@@ -99,7 +91,7 @@ def _internal(
     with_tangent: bool,
 ) -> tuple[float, FloatArray, FloatArray]:
     cell = _cell(cell_type, degree, geometry_degree, rule, _strain_purpose(material), material.hypothesis)
-    return _reference.element_internal(cell, _array(X), material, _vector(u), with_tangent)
+    return _reference.element_internal(cell, floats(X), material, vector(u), with_tangent)
 
 
 def element_energy(
@@ -204,7 +196,7 @@ def element_stress(
         Stress, shape (num_points, num_strains) [F/L^2].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "stiffness", material.hypothesis)
-    return _reference.element_stress(cell, _array(X), material, _vector(u))
+    return _reference.element_stress(cell, floats(X), material, vector(u))
 
 
 def second_piola(material: Material, F: ArrayLike) -> tuple[FloatArray, FloatArray, float]:
@@ -221,7 +213,7 @@ def second_piola(material: Material, F: ArrayLike) -> tuple[FloatArray, FloatArr
     Raises:
         ValueError: a neo-Hookean material with det F <= 0.
     """
-    return _reference.second_piola(material, _array(F))
+    return _reference.second_piola(material, floats(F))
 
 
 def element_mass(
@@ -244,7 +236,7 @@ def element_mass(
         ValueError: the density is 0.
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "mass", material.hypothesis)
-    return _reference.element_mass(cell, _array(X), material)
+    return _reference.element_mass(cell, floats(X), material)
 
 
 def element_lumped_mass(
@@ -275,7 +267,7 @@ def element_lumped_mass(
         ValueError: the density is 0, or the scheme is unknown.
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "mass", material.hypothesis)
-    return _reference.element_lumped_mass(cell, _array(X), material, scheme)
+    return _reference.element_lumped_mass(cell, floats(X), material, scheme)
 
 
 def element_damping(
@@ -335,7 +327,7 @@ def element_body_force(
         Load, shape (gdim n) [F].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "load", hypothesis)
-    return _reference.element_body_force(cell, _array(X), _vector(f))
+    return _reference.element_body_force(cell, floats(X), vector(f))
 
 
 def element_traction(
@@ -364,7 +356,7 @@ def element_traction(
         Load, shape (gdim n) [F].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "facet", hypothesis)
-    return _reference.element_traction(cell, _array(X), _facet(cell_type, facet), _vector(t))
+    return _reference.element_traction(cell, floats(X), _facet(cell_type, facet), vector(t))
 
 
 def element_foundation(
@@ -393,7 +385,7 @@ def element_foundation(
         Matrix, shape (gdim n, gdim n) [F/L].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "facet", hypothesis)
-    return _reference.element_foundation(cell, _array(X), _facet(cell_type, facet), _vector(k))
+    return _reference.element_foundation(cell, floats(X), _facet(cell_type, facet), vector(k))
 
 
 def element_follower_pressure(
@@ -427,7 +419,7 @@ def element_follower_pressure(
         f, shape (gdim n) [F], and df/du, shape (gdim n, gdim n) [F/L].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "facet", hypothesis)
-    return _reference.element_follower_pressure(cell, _array(X), _vector(u), _facet(cell_type, facet), float(p))
+    return _reference.element_follower_pressure(cell, floats(X), vector(u), _facet(cell_type, facet), float(p))
 
 
 def _ale(
@@ -441,7 +433,7 @@ def _ale(
     rule: Rule,
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     cell = _cell(cell_type, degree, geometry_degree, rule, "mass", material.hypothesis)
-    return _reference.element_ale(cell, _array(X), material, _vector(spin), _vector(centre))
+    return _reference.element_ale(cell, floats(X), material, vector(spin), vector(centre))
 
 
 def element_gyroscopic(
@@ -563,7 +555,7 @@ def element_poisson(
         Matrix, shape (n, n) [L^(gdim - 2)].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "stiffness", hypothesis)
-    return _reference.element_poisson(cell, _array(X), float(k))
+    return _reference.element_poisson(cell, floats(X), float(k))
 
 
 def element_scalar_load(
@@ -590,7 +582,7 @@ def element_scalar_load(
         Load, shape (n) [L^gdim].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "load", hypothesis)
-    return _reference.element_scalar_load(cell, _array(X), float(f))
+    return _reference.element_scalar_load(cell, floats(X), float(f))
 
 
 def element_flux_load(
@@ -619,4 +611,4 @@ def element_flux_load(
         Load, shape (n) [L^(gdim - 1)].
     """
     cell = _cell(cell_type, degree, geometry_degree, rule, "facet", hypothesis)
-    return _reference.element_flux_load(cell, _array(X), _facet(cell_type, facet), float(q))
+    return _reference.element_flux_load(cell, floats(X), _facet(cell_type, facet), float(q))

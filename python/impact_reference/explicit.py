@@ -8,9 +8,9 @@ from typing import Any, TypeAlias, Union
 import numpy as np
 
 from . import _reference
-from .array_types import ArrayLike, FloatArray, IntArray, TimeValues
+from .array_types import ArrayLike, FloatArray, IntArray, TimeValues, floats, integers, vector
 from .contact import Obstacle, RigidCylinder, RigidPlane, RigidSphere, _obstacle
-from .model import Model, _floats, _integers, _vector
+from .discretisation import Discretisation
 
 # A vector, or a pair (vector, amplitude over time).
 Load: TypeAlias = Union[ArrayLike, tuple[ArrayLike, TimeValues]]
@@ -51,11 +51,13 @@ class _Nodal:
             raise ValueError("normals are for smooth surfaces of deformable masters")
 
     def _bind(
-        self, model: Model, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+        self, model: Discretisation, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
     ) -> Any:  # an object of the compiled module
         raise NotImplementedError
 
-    def _arguments(self, model: Model, times: FloatArray, lumping: str) -> tuple[Any, ...]:  # of the compiled classes
+    def _arguments(
+        self, model: Discretisation, times: FloatArray, lumping: str
+    ) -> tuple[Any, ...]:  # of the compiled classes
         d = model.points.shape[1]
         facets: IntArray = np.zeros((0, 1), dtype=np.int64)
         obstacle, motion = [], self.motion
@@ -63,10 +65,10 @@ class _Nodal:
             obstacle = [_obstacle(self.master, d)]
             motion = self.master.displacement if motion is None else motion
         else:
-            facets = _integers(self.master, "master", 2)
+            facets = integers(self.master, "master", 2)
         displacement = _time_levels(0.0 if motion is None else motion, times, d, "motion")
         mass = model.mass(lumped=True, scheme=lumping)
-        slave = _integers(self.slave, "slave", 2)
+        slave = integers(self.slave, "slave", 2)
         normals = []
         for side, surface in (("slave", slave), ("master", facets)):
             given = self.normals.get(side)
@@ -121,7 +123,7 @@ class NodalPenalty(_Nodal):
         self.penalty, self.balanced = penalty, bool(balanced)
 
     def _bind(
-        self, model: Model, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+        self, model: Discretisation, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
     ) -> _reference.NodalPenalty:
         arguments = self._arguments(model, times, lumping)
         rules = *model._rule("stiffness"), *model._rule("mass"), lumping, [] if plastic is None else [plastic]
@@ -158,7 +160,7 @@ class NodalKinematic(_Nodal):
         self.sweeps = int(sweeps)
 
     def _bind(
-        self, model: Model, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+        self, model: Discretisation, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
     ) -> _reference.NodalKinematic:
         return _reference.NodalKinematic(*self._arguments(model, times, lumping), self.friction, self.sweeps)
 
@@ -200,10 +202,10 @@ class ExplicitResult:
 def _time_levels(table: TimeValues, times: FloatArray, width: int, what: str) -> FloatArray:
     """Values at time levels, shape (len(times), width): a constant, a function of t, or (times, values), linear."""
     if callable(table):
-        rows = [np.broadcast_to(_floats(table(t)), (width,)) for t in times]
+        rows = [np.broadcast_to(floats(table(t)), (width,)) for t in times]
         return np.array(rows).reshape(len(times), width)
     if isinstance(table, tuple):
-        at, values = _floats(table[0]), _floats(table[1])
+        at, values = floats(table[0]), floats(table[1])
         if at.ndim != 1 or values.shape[:1] != at.shape or np.any(np.diff(at) <= 0):
             raise ValueError(
                 f"{what}: a table needs increasing times (n) and n values, found {at.shape}, {values.shape}"
@@ -211,7 +213,7 @@ def _time_levels(table: TimeValues, times: FloatArray, width: int, what: str) ->
         columns = np.broadcast_to(values.reshape(len(at), -1), (len(at), width))
         result = [np.interp(times, at, column) for column in columns.T]
         return np.ascontiguousarray(np.array(result).reshape(width, len(times)).T)
-    return np.broadcast_to(_floats(table), (len(times), width)).copy()
+    return np.broadcast_to(floats(table), (len(times), width)).copy()
 
 
 def _loads(
@@ -223,7 +225,7 @@ def _loads(
     elif isinstance(loads, np.ndarray) and loads.ndim == 1:
         loads = [loads]
     pairs = [load if isinstance(load, tuple) else (load, 1.0) for load in loads]
-    vectors = np.array([_vector(vector) for vector, _ in pairs]).reshape(len(pairs), num_dofs)
+    vectors = np.array([vector(load) for load, _ in pairs]).reshape(len(pairs), num_dofs)
     amplitudes = [_time_levels(amplitude, times, 1, "load")[:, 0] for _, amplitude in pairs]
     return vectors, np.ascontiguousarray(np.array(amplitudes).reshape(len(pairs), len(times)).T)
 
@@ -235,7 +237,7 @@ def _is_classical(scheme: str) -> bool:
 
 
 def run_explicit(
-    model: Model,
+    model: Discretisation,
     dt: ArrayLike,
     num_steps: int | None = None,
     *,
@@ -283,7 +285,7 @@ def run_explicit(
         ValueError: data that do not fit.
         RuntimeError: the run overflows.
     """
-    steps = _vector(dt)
+    steps = vector(dt)
     if num_steps is not None:
         if steps.size not in (1, num_steps):
             raise ValueError(f"dt has {steps.size} steps, but num_steps is {num_steps}")
@@ -302,8 +304,8 @@ def run_explicit(
         *model._rule("mass"),
         lumping,
         steps,
-        zero if u0 is None else _vector(u0),
-        zero if v0 is None else _vector(v0),
+        zero if u0 is None else vector(u0),
+        zero if v0 is None else vector(v0),
         fixed,
         _time_levels(values, times, fixed.size, "values"),
         vectors,
@@ -331,8 +333,9 @@ def run_explicit(
 
 
 def stable_step(
-    model: Model,
+    model: Discretisation,
     method: str = "element",
+    *,
     alpha: float = 0.0,
     beta: float = 0.0,
     scheme: str = "half_step",
@@ -360,7 +363,7 @@ def stable_step(
     Raises:
         ValueError: an unknown method or scheme.
     """
-    u = np.zeros(model.num_dofs) if u is None else _vector(u)
+    u = np.zeros(model.num_dofs) if u is None else vector(u)
     springs = [contact for contact in contacts if isinstance(contact, NodalPenalty)]
     bound = [contact._bind(model, np.zeros(2), lumping, None) for contact in springs]
     if method == "length":

@@ -21,10 +21,10 @@ from typing import Any
 import numpy as np
 
 from . import _reference
-from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, TimeValues
+from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, TimeValues, vector
 from .contact import Contact, History, _State
 from .explicit import Load, _loads, _time_levels
-from .model import Model, _vector
+from .discretisation import Discretisation
 
 ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "plastic", "external", "total")
 
@@ -167,7 +167,7 @@ class _Run:
 
     def __init__(
         self,
-        model: Model,
+        model: Discretisation,
         times: FloatArray,
         scheme: NewmarkScheme,
         fixed_dofs: ArrayLike,
@@ -352,7 +352,7 @@ def _work(old: _Level, new: _Level, force: str) -> float:
 
 
 def run_newmark(
-    model: Model,
+    model: Discretisation,
     dt: ArrayLike,
     num_steps: int | None = None,
     *,
@@ -405,7 +405,7 @@ def run_newmark(
         ValueError: data that do not fit.
         RuntimeError: Newton's method does not converge.
     """
-    steps = _vector(dt)
+    steps = vector(dt)
     if num_steps is not None:
         if steps.size not in (1, num_steps):
             raise ValueError(f"dt has {steps.size} steps, but num_steps is {num_steps}")
@@ -422,7 +422,7 @@ def run_newmark(
     obstacle = None if contact is None else contact.contact.obstacle
     place = None if obstacle is None else obstacle.displacement
     try:
-        return _levels(run, zero if u0 is None else _vector(u0), zero if v0 is None else _vector(v0))
+        return _levels(run, zero if u0 is None else vector(u0), zero if v0 is None else vector(v0))
     finally:
         if obstacle is not None and place is not None:
             obstacle.displacement = place

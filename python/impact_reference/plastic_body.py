@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from . import _reference
-from .array_types import ArrayLike, FloatArray
+from .array_types import ArrayLike, FloatArray, floats, integers, vector
 from .explicit import ExplicitResult, run_explicit
-from .model import Model, _floats, _integers, _vector
+from .discretisation import Discretisation
 from .newmark import NewmarkResult, run_newmark
 from .plasticity import J2History, J2Parameters, dilatation_name
 from .sparse import Csr
@@ -49,7 +49,7 @@ class PlasticBody:
 
     def __init__(
         self,
-        model: Model,
+        model: Discretisation,
         laws: J2Parameters | Mapping[int, J2Parameters],
         strain: str = "small",
         mean_dilatation: bool | str = False,
@@ -73,7 +73,7 @@ class PlasticBody:
         self._body.set_history(history._arrays())
 
     def _evaluate(self, u: ArrayLike, with_tangent: bool = False) -> Any:  # an object of the compiled module
-        return self._body.evaluate(_vector(u), with_tangent)
+        return self._body.evaluate(vector(u), with_tangent)
 
     def internal_force(self, u: ArrayLike) -> FloatArray:
         """Internal force of a trial from the committed history.
@@ -180,16 +180,16 @@ class PlasticBody:
             RuntimeError: rigid motions are free, or no convergence: the committed history is the last good one then.
             ValueError: arguments that do not fit.
         """
-        fixed, n = _integers(fixed_dofs, "fixed_dofs", 1), self.model.num_dofs
-        values, zero = _floats(values), np.zeros(n)
-        loads = zero if loads is None else _floats(loads)
+        fixed, n = integers(fixed_dofs, "fixed_dofs", 1), self.model.num_dofs
+        values, zero = floats(values), np.zeros(n)
+        loads = zero if loads is None else floats(loads)
         if num_steps is None:
             num_steps = max([a.shape[0] for a in (values, loads) if a.ndim == 2], default=1)
         loads = np.broadcast_to(loads, (num_steps, n)).copy()
         u, force, energy, work, iterations, residuals = self._body.solve(
             fixed,
-            zero if u0 is None else _vector(u0),
-            zero if load0 is None else _vector(load0),
+            zero if u0 is None else vector(u0),
+            zero if load0 is None else vector(load0),
             np.broadcast_to(values, (num_steps, fixed.size)).copy(),
             loads,
             float(tolerance),

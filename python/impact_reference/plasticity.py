@@ -20,14 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import _reference, rules
-from .array_types import ArrayLike, FloatArray, Rule
+from .array_types import ArrayLike, FloatArray, Rule, floats
 
 # As the compiled module has them: plastic, equivalent, back stress, stress, work, thickness.
 _Histories = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
-
-
-def _floats(values: ArrayLike) -> FloatArray:
-    return np.ascontiguousarray(values, dtype=float)
 
 
 class J2Parameters:
@@ -72,7 +68,7 @@ class J2Parameters:
         strains: list[float] = []
         stresses: list[float] = []
         if table is not None:
-            rows = _floats(table)
+            rows = floats(table)
             if rows.ndim != 2 or rows.shape[0] != 2 or rows.shape[1] == 0:
                 raise ValueError(f"table must have shape (2, n) with n > 0, found {rows.shape}")
             strains, stresses = list(rows[0]), list(rows[1])
@@ -99,7 +95,7 @@ class J2Parameters:
         Returns:
             Y, same shape [F/L^2].
         """
-        a = _floats(equivalent)
+        a = floats(equivalent)
         return self._parameters.yield_stress(np.atleast_1d(a).reshape(-1)).reshape(a.shape)
 
 
@@ -135,8 +131,8 @@ class J2History:
 
     def _arrays(self) -> _Histories:
         tensors = (self.plastic_strain_tensor, self.back_stress, self.stress)
-        plastic, back, stress = (_floats(rows).reshape(-1, 9) for rows in tensors)
-        return plastic, _floats(self.plastic_strain), back, stress, _floats(self.work), _floats(self.thickness)
+        plastic, back, stress = (floats(rows).reshape(-1, 9) for rows in tensors)
+        return plastic, floats(self.plastic_strain), back, stress, floats(self.work), floats(self.thickness)
 
 
 @dataclass
@@ -184,7 +180,7 @@ class J2Point:
             ValueError: shapes that do not fit, det F <= 0, a material that has softened to nothing.
         """
         n = len(self.history.plastic_strain)
-        rows = np.ascontiguousarray(np.broadcast_to(_floats(strain), (n, 3, 3))).reshape(n, 9)
+        rows = np.ascontiguousarray(np.broadcast_to(floats(strain), (n, 3, 3))).reshape(n, 9)
         stress, tangent, history, energy, dissipation = _reference.j2_points(
             self.parameters._parameters, self.strain, self.hypothesis, rows, self.history._arrays(), with_tangent
         )
@@ -278,12 +274,12 @@ def element_plastic(
         geometry_degree,
         points,
         weights,
-        _floats(X),
+        floats(X),
         parameters._parameters,
         strain,
         hypothesis,
         dilatation_name(mean_dilatation),
-        _floats(u).reshape(-1),
+        floats(u).reshape(-1),
         before._arrays(),
         with_tangent,
     )

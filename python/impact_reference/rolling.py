@@ -15,9 +15,9 @@ from typing import Any, Union
 import numpy as np
 
 from . import _reference, streamlines
-from .array_types import ArrayLike, FloatArray, IntArray
+from .array_types import ArrayLike, FloatArray, IntArray, floats, integers, vector
 from .contact import Contact, ContactSolution, _State
-from .model import Model, _floats, _integers, _vector
+from .discretisation import Discretisation
 from .sparse import Csr
 
 
@@ -43,8 +43,8 @@ class Spinning:
     @property
     def unit(self) -> FloatArray:
         """Unit vector along the axis, shape (3) [1]."""
-        axis = _vector(self.axis)
-        return _floats(axis / np.linalg.norm(axis))
+        axis = vector(self.axis)
+        return floats(axis / np.linalg.norm(axis))
 
 
 @dataclass
@@ -93,7 +93,7 @@ def cross(a: FloatArray, b: FloatArray) -> FloatArray:
     gdim = b.shape[-1]
     padded = np.zeros((*b.shape[:-1], 3))
     padded[..., :gdim] = b
-    return _floats(np.cross(a, padded)[..., :gdim])
+    return floats(np.cross(a, padded)[..., :gdim])
 
 
 class RollingModel:
@@ -108,11 +108,13 @@ class RollingModel:
         ValueError: cells without a motion, axes of the plane that are not z.
     """
 
-    def __init__(self, model: Model, motions: Mapping[int, Motion], cell_tags: ArrayLike | None = None) -> None:
+    def __init__(
+        self, model: Discretisation, motions: Mapping[int, Motion], cell_tags: ArrayLike | None = None
+    ) -> None:
         self.model, self.motions = model, dict(motions)
         self.gdim: int = model.field_points.shape[1]
         tags = list(self.motions)
-        given = np.full(len(model.cells), tags[0]) if cell_tags is None else _integers(cell_tags, "cell_tags", 1)
+        given = np.full(len(model.cells), tags[0]) if cell_tags is None else integers(cell_tags, "cell_tags", 1)
         unknown = set(np.unique(given)) - set(tags)
         if unknown or len(given) != len(model.cells):
             raise ValueError(f"{len(given)} cells carry tags, {sorted(unknown)} of them have no motion")
@@ -130,9 +132,9 @@ class RollingModel:
         for motion in self.motions.values():
             if isinstance(motion, Spinning):
                 spin = motion.vector if self.gdim == 3 else motion.vector[2:]
-                flows.append((spin, _vector(motion.centre), nothing))
+                flows.append((spin, vector(motion.centre), nothing))
             else:
-                flows.append((nothing, nothing, _vector(motion.velocity)))
+                flows.append((nothing, nothing, vector(motion.velocity)))
         return flows
 
     def matrices(self) -> tuple[Csr, Csr, FloatArray]:
@@ -159,9 +161,9 @@ class RollingModel:
         for body, motion in enumerate(self.motions.values()):
             at = self._body_of_node == body
             if isinstance(motion, Spinning):
-                w[at] = cross(motion.vector, self.model.field_points[at] - _vector(motion.centre))
+                w[at] = cross(motion.vector, self.model.field_points[at] - vector(motion.centre))
             else:
-                w[at] = _vector(motion.velocity)
+                w[at] = vector(motion.velocity)
         return w
 
     def first_spin(self) -> tuple[int, Spinning]:
@@ -193,8 +195,8 @@ class RollingModel:
         """
         body, spin = self.first_spin()
         at = self._body_of_node == body
-        centre = _vector(spin.centre).copy()
-        fixed = _integers(fixed_dofs, "fixed_dofs", 1)
+        centre = vector(spin.centre).copy()
+        fixed = integers(fixed_dofs, "fixed_dofs", 1)
         for direction in range(self.gdim):
             supports = [dof for dof in np.unique(fixed) if dof % self.gdim == direction and at[dof // self.gdim]]
             if supports:
@@ -221,8 +223,8 @@ class RollingModel:
             RuntimeError: stiffness minus W is not positive definite.
         """
         model = self.model
-        free = np.setdiff1d(np.arange(model.num_dofs), _integers(fixed_dofs, "fixed_dofs", 1))
-        tangent = model.tangent(np.zeros(model.num_dofs) if u is None else _vector(u)).toarray()
+        free = np.setdiff1d(np.arange(model.num_dofs), integers(fixed_dofs, "fixed_dofs", 1))
+        tangent = model.tangent(np.zeros(model.num_dofs) if u is None else vector(u)).toarray()
         gyroscopic, inertia, _ = self.matrices()
         every = (tangent - inertia.toarray(), gyroscopic.toarray(), model.mass().toarray())
         K, G, M = (A[np.ix_(free, free)] for A in every)
@@ -288,7 +290,7 @@ class RollingModel:
             V, shape (num_nodes, gdim) [L/T].
         """
         B = self.along(contact)
-        nodal = _vector(u).reshape(-1, self.gdim)
+        nodal = vector(u).reshape(-1, self.gdim)
         return self.flow() + np.column_stack([B.dot(nodal[:, c].copy()) for c in range(self.gdim)])
 
     def solve(
@@ -329,21 +331,21 @@ class RollingModel:
             RuntimeError: no convergence.
         """
         model = self.model
-        fixed = _integers(fixed_dofs, "fixed_dofs", 1)
-        at_fixed = np.broadcast_to(_floats(values), fixed.shape).copy()
+        fixed = integers(fixed_dofs, "fixed_dofs", 1)
+        at_fixed = np.broadcast_to(floats(values), fixed.shape).copy()
         _, inertia, total = self._compiled()
-        total = total if load is None else total + _vector(load)
+        total = total if load is None else total + vector(load)
         bodies = _reference.RollingBodies(model._model, *model._strain_rule(), inertia)
         if contact is None:
             zero = np.zeros(model.num_dofs) if start is None else start.u
             u, reactions, *_ = bodies.solve(model._model, zero, fixed, at_fixed, total, max_iterations, tolerance)
             return self._without_contact(u, reactions)
         V0 = self.flow()
-        V0[np.unique(contact.slave_facets)] += _floats(creepage)
+        V0[np.unique(contact.slave_facets)] += floats(creepage)
         fastest = float(np.max(np.linalg.norm(V0[np.unique(contact.slave_facets)], axis=1)))
         time = float(np.ptp(model.points, axis=0).max()) / fastest if fastest > 0.0 else 1.0
         B = self.along(contact)
-        obstacle = np.broadcast_to(_floats(master_velocity), (self.gdim,)).astype(float)
+        obstacle = np.broadcast_to(floats(master_velocity), (self.gdim,)).astype(float)
         flow = time * V0.ravel(), B.indptr, B.indices, time * B.data, time * obstacle
 
         def solved(friction: float, state: _State | None, number: int) -> ContactSolution:

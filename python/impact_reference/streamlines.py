@@ -9,13 +9,13 @@ import numpy as np
 
 from . import rules
 from .array_types import FloatArray, IntArray
-from .model import Model
+from .discretisation import Discretisation
 from .sparse import Csr
 
 TIE = 1e-6  # scores that differ by less count as the same
 
 
-def corner_neighbours(model: Model, facets: IntArray) -> list[list[tuple[int, list[int]]]]:
+def corner_neighbours(model: Discretisation, facets: IntArray) -> list[list[tuple[int, list[int]]]]:
     """Corners of facets, and the one or two corners at the ends of the edges that meet in each.
 
     Args:
@@ -119,7 +119,7 @@ def mean_way(ways: list[Backward]) -> Backward:
     return Backward(slope, origin, sum(way.duration for way in ways) / n)
 
 
-def derivative(model: Model, facets: IntArray, w: FloatArray) -> Csr:
+def derivative(model: Discretisation, facets: IntArray, w: FloatArray) -> Csr:
     """Matrix B of (Grad u w) at the nodes of a surface: the same for every component of u.
 
     Values along a streamline are those at the node, where it enters the facet upstream, and before that one facet

@@ -58,10 +58,12 @@ def _default(value):
     return "<made anew>" if "FACTORY" in name else f"<{name}>"  # the default of a field of a dataclass
 
 
-def signature(value):
-    """Parameters with their defaults, without types, which other versions of Python write otherwise."""
+def signature(value, method=False):
+    """Parameters with their defaults, without types, which other versions of Python write otherwise. A function that is
+    a method of a class is given the object, whatever it calls it.
+    """
     try:
-        parameters = inspect.signature(value).parameters.values()
+        parameters = list(inspect.signature(value).parameters.values())[1 if method else 0 :]
     except (TypeError, ValueError):
         return "(...)"  # compiled
     words, keywords = [], False
@@ -90,7 +92,7 @@ def members(name, kind):
         if isinstance(value, property):
             yield f"{name}.{member}" + ("" if value.fset is None else ", can be set")
         elif isinstance(value, (staticmethod, classmethod)) or callable(value):
-            yield f"{name}.{member}{signature(getattr(kind, member))}"
+            yield f"{name}.{member}{signature(getattr(kind, member), inspect.isfunction(value))}"
         elif not isinstance(value, types.ModuleType):
             yield f"{name}.{member}"
 

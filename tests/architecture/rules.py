@@ -255,7 +255,7 @@ def import_circles(root):
     """
     base = pathlib.Path(root).resolve() / "python"
     modules = {}
-    for package in ("dolfinx_impact", *BESIDE):
+    for package in ("dolfinx_impact", "impact_reference", *BESIDE):
         modules |= _modules(base, package)
     imported = {name: _imports(name, modules) for name in modules}
     reached = {}
