@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from .. import _cpp
-from ..assembly.history import MaterialHistory
+from ..assembly.material_history import MaterialHistory
 from ..common.types import BoolArray
 from ..io.signature import Problem
 

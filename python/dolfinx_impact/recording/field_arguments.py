@@ -10,7 +10,7 @@ from dolfinx.fem import Function, FunctionSpace
 
 from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.fields import is_mixed
-from ..assembly.history import MaterialHistory
+from ..assembly.material_history import MaterialHistory
 from ..assembly.history_field import HistoryField
 from ..assembly.body_stress import NO_STRESS
 from ..materials import Material
