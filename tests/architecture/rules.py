@@ -454,6 +454,20 @@ def _bases(path, cls, classes, root):
                 yield from _bases(*one, classes, root)
 
 
+def unnamed_classes(root):
+    """Classes with methods that no test names. Protocols have no code; records of values have no methods."""
+    root = pathlib.Path(root).resolve()
+    words = {word for path in sources(root / "tests", (".py",)) for word in re.findall(r"\w+", path.read_text())}
+    complaints = []
+    for folder in ("python", "forms", "meshes"):
+        for path in sources(root / folder, (".py",)):
+            for node in ast.parse(path.read_text(), str(path)).body:
+                if isinstance(node, ast.ClassDef) and not _is_protocol(node) and _methods(node):
+                    if node.name not in words:
+                        complaints.append(f"{path.relative_to(root)}:{node.lineno}: no test names {node.name}")
+    return complaints
+
+
 def repeated_docstrings(root):
     """Methods that say once more what the method of a base class or of a protocol says: a docstring that has its first
     sentence. An override says what is particular to it; where nothing is, it has no docstring, and help() and the site

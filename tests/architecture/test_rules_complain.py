@@ -296,6 +296,27 @@ def test_folders_of_unit_tests_complain(tree, name, words):
     assert words in complaint
 
 
+def test_classes_that_no_test_names_complain(tree):
+    files = {
+        "python/dolfinx_impact/body.py": """
+class Body:
+    def force(self): ...
+class _Part:
+    def force(self): ...
+class Numbers:
+    count = 3
+class Asked(Protocol):
+    def force(self): ...
+""",
+        "forms/law.py": "class Law:\n    def __init__(self): ...\n",
+        "tests/unit/test_body.py": "from dolfinx_impact.body import Body\nLaws, Parts = 1, _Parted\n",
+    }
+    assert rules.unnamed_classes(tree(files)) == [
+        "python/dolfinx_impact/body.py:4: no test names _Part",
+        "forms/law.py:1: no test names Law",
+    ]
+
+
 GOOD_DOCSTRINGS = {
     "python/dolfinx_impact/body.py": '''
 class Body(Protocol):
