@@ -497,6 +497,31 @@ def repeated_docstrings(root):
     return complaints
 
 
+_COMMENTED = re.compile(r"((?:^[ \t]*///.*\n)+)([^;{}]*[;{])", re.MULTILINE)
+
+
+def repeated_comments(root):
+    """The same for C++: overrides whose comment has the first sentence of that of a virtual function of this name."""
+    root = pathlib.Path(root).resolve()
+    virtual, overrides = {}, []
+    for path in sources(root / "cpp" / "dolfinx_impact", (".h",)):
+        text = path.read_text()
+        for match in _COMMENTED.finditer(text):
+            comment, declaration = " ".join(match[1].replace("///", " ").split()), match[2]
+            name = re.search(r"(\w+)\s*\(", declaration)
+            if name and re.search(r"\boverride\b", declaration):
+                overrides.append(
+                    (f"{path.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}", name[1], comment)
+                )
+            elif name and re.search(r"\bvirtual\b", declaration) and (said := _FIRST_SENTENCE.match(comment)):
+                virtual.setdefault(name[1], []).append(said[1])
+    return [
+        f"{where}: the comment of {name} is that of the base"
+        for where, name, comment in overrides
+        if any(said in comment for said in virtual.get(name, ()))
+    ]
+
+
 LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long
 
 

@@ -394,6 +394,46 @@ def test_docstrings_complain(tree, name, text, complaint):
     assert found.startswith(f"{path}:") and found.endswith(f"says what {asked} says")
 
 
+GOOD_COMMENTS = {
+    "cpp/dolfinx_impact/solve/Body.h": """
+class Body
+{
+public:
+  /// Internal minus external forces. Collective.
+  /// @return vector of the body [F]
+  virtual Vec residual() = 0;
+
+  /// Number of cells.
+  int size() const { return 3; }
+};
+""",
+    "cpp/dolfinx_impact/solve/Own.h": """
+class Own : public Body
+{
+  Vec residual() override;
+  /// Of this rank.
+  int size() const;
+  /// Number of cells.
+  int count() override;
+};
+""",
+}
+
+
+def test_comments_pass_a_good_tree(tree):
+    assert rules.repeated_comments(tree(GOOD_COMMENTS)) == []
+
+
+@pytest.mark.parametrize(
+    "comment",
+    ["/// Internal minus external forces. Collective.", "/// With springs. Internal minus\n  /// external forces."],
+)
+def test_comments_complain(tree, comment):
+    text = f"class Other : public Body\n{{\n  {comment}\n  Vec residual() override\n  {{\n    return 0;\n  }}\n}};\n"
+    (complaint,) = rules.repeated_comments(tree({**GOOD_COMMENTS, "cpp/dolfinx_impact/solve/Other.h": text}))
+    assert complaint == "cpp/dolfinx_impact/solve/Other.h:3: the comment of residual is that of the base"
+
+
 def test_line_counts(tree):
     counts = rules.line_counts(tree({"a.py": "\n" * 401, "docs/b.md": "\n" * 900, "Makefile": "x\n"}))
     assert {str(p): n for p, n in counts.items()} == {"a.py": 401, "Makefile": 1}

@@ -99,6 +99,7 @@ def test_every_class_with_methods_is_named_by_a_test(checkout):
 
 def test_what_a_base_says_is_not_said_again(checkout):
     assert rules.repeated_docstrings(checkout) == []
+    assert rules.repeated_comments(checkout) == []
 
 
 def test_lines_of_pages_end_at_120_columns(checkout):
