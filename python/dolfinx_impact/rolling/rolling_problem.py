@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..assembly.ffcx_form import ffcx_form
 from .. import _cpp
 from ..assembly import problem_arguments
-from ..assembly.history import HistoryField, MaterialHistory
+from ..assembly.material_history import HistoryField, MaterialHistory
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
