@@ -602,3 +602,28 @@ def demos_without_assert(root):
         if not body or not isinstance(body[-1], ast.Assert) or isinstance(body[-1].test, ast.Constant):
             complaints.append(f"{path.relative_to(root)}: the last statement is no assert")
     return complaints
+
+
+def unused_bindings(root):
+    """Names of the compiled module, by its stub, that no Python file has: neither the packages nor a test calls them.
+    Classes are types of what is returned; members of Options and Limits are settings, which a user may change.
+    """
+    root = pathlib.Path(root)
+    stub = root / "python" / "dolfinx_impact" / "_cpp"
+    words = set()
+    for folder in ("python", "tests", "demos", "docs"):
+        for path in sources(root / folder, (".py",)):
+            words |= set(re.findall(r"\w+", path.read_text()))
+
+    def unused(body, owner):
+        for node in body:
+            if isinstance(node, ast.ClassDef):
+                if not node.name.endswith(("Options", "Limits")):
+                    yield from unused(node.body, f"{owner}.{node.name}")
+            elif isinstance(node, ast.FunctionDef) and not node.name.startswith("__") and node.name not in words:
+                yield f"{owner}.{node.name}"
+
+    found = set()
+    for path in sorted(stub.glob("*.pyi")):
+        found |= set(unused(ast.parse(path.read_text()).body, path.stem))
+    return sorted(found)

@@ -463,6 +463,22 @@ def test_machine_paths_pass_ordinary_text(tree):
     assert rules.machine_paths(tree({"docs/a.md": text, "a.bin": "\0/ro" + "ot/"})) == []
 
 
+def test_bindings_that_nothing_calls_are_seen(tree):
+    stub = """class Solver:
+    def __init__(self) -> None: ...
+    def run(self) -> None: ...
+    @property
+    def seconds(self) -> float: ...
+class SolverOptions:
+    @property
+    def largest(self) -> int: ...
+def norm() -> float: ...
+"""
+    files = {"python/dolfinx_impact/_cpp/solve.pyi": stub, "python/dolfinx_impact/a.py": "solver.run(); x = norm()\n"}
+    assert rules.unused_bindings(tree(files)) == ["solve.Solver.seconds"]
+    assert rules.unused_bindings(tree({**files, "tests/test_a.py": "assert solver.seconds > 0\n"})) == []
+
+
 def test_what_a_run_left_at_the_top_is_seen(tree):
     good = {"README.md": "", "cpp/plain/Mesh.h": "", "results/bench.json": "", "tests/conftest.py": ""}
     assert rules.top_violations(tree(good)) == []

@@ -110,6 +110,10 @@ def test_pages_that_are_named_exist(checkout):
     assert rules.missing_pages(checkout) == []
 
 
+def test_what_is_bound_is_called(checkout):
+    assert rules.unused_bindings(checkout) == []
+
+
 def test_nothing_was_left_at_the_top(checkout):
     assert rules.top_violations(checkout) == []
 
