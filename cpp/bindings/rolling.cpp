@@ -139,5 +139,5 @@ void dolfinx_impact::bindings::rolling_problem(nb::module_& m)
             self.equilibrium().resume();
           },
           nb::arg("saved"), "Be in the state that saved_state has returned. Collective")
-      .def("settle", &RollingProblem::settle, "Take present rates and loads as those that the last solve has reached");
+      .def("mark_reached", &RollingProblem::mark_reached, "Take present rates and loads as those that the last solve has reached");
 }

@@ -140,12 +140,12 @@ void RollingProblem::find_spin(rolling::RollingNewton& newton, solve::LoadStepRe
   catch (...)
   {
     control.set_omega(before);
-    _flow->settle();
+    _flow->mark_reached();
     newton.control = nullptr;
     throw;
   }
   control.set_omega(found);
-  _flow->settle();
+  _flow->mark_reached();
   newton.control = nullptr;
 }
 
@@ -176,7 +176,7 @@ std::string RollingProblem::beyond_critical_speed()
   return "";
 }
 
-void RollingProblem::settle()
+void RollingProblem::mark_reached()
 {
   for (const solve::Ramp& load : _equilibrium->loads())
     std::ranges::copy(load.value, load.reached.begin());

@@ -79,7 +79,7 @@ public:
   /// State that a solve starts from, as StaticProblem::state; rates of the motions are among its loads.
   state::State state() { return _equilibrium->state(); }
   /// Take the present rates and loads as those that the last solve has reached.
-  void settle();
+  void mark_reached();
 
 private:
   const solve::EquilibriumProblem& bodies() const { return *_equilibrium->equilibrium(); }

@@ -102,7 +102,7 @@ std::vector<double> Flow::reached() const
   return out;
 }
 
-void Flow::settle()
+void Flow::mark_reached()
 {
   for (std::size_t i = 0; i < _motions.size(); ++i)
     _reached[i] = _motions[i].rate->value;

@@ -66,11 +66,11 @@ public:
   /// The rates that the last solve has reached.
   std::vector<double> reached() const;
   /// Take the present rates as those that the last solve has reached.
-  void settle();
+  void mark_reached();
 
   /// Creepages besides those of the motions: the body of the first Spin moves along its axis with `lateral` times the
-  /// speed of the surfaces [1], and turns with `turn` times that speed about the contact's normal that
-  /// points into it [1/L].
+  /// speed of the surfaces [1], and turns with `turn` times that speed about the contact's normal that points into it
+  /// [1/L].
   double lateral = 0.0, turn = 0.0;
 
 private:

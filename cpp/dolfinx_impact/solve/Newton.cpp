@@ -723,7 +723,7 @@ Newton::LinearisedSolution Newton::solve_linearised(Mat K, std::vector<double> r
   for (std::size_t i = 0; i < _prescribed.size(); ++i)
     moved[_prescribed[i]] = jump[i];
   double digits = _multipliers.empty() ? rtol : loose_digits;
-  ActiveSetIteration settle;
+  ActiveSetIteration updates;
   RepeatedStates repeated(_comm, unsettled);
   bool corrected = false;
   while (true)
@@ -747,9 +747,9 @@ Newton::LinearisedSolution Newton::solve_linearised(Mat K, std::vector<double> r
       }
       if (_saddle)
         set_multipliers(stiffness.mean);
-      changed = settle.change(_multipliers);
+      changed = updates.change(_multipliers);
       if (events.progress)
-        events.progress("update " + std::to_string(settle.count()) + " of the active set: " + std::to_string(changed) +
+        events.progress("update " + std::to_string(updates.count()) + " of the active set: " + std::to_string(changed) +
                         " nodes change");
     }
     if (changed == 0)
@@ -768,16 +768,16 @@ Newton::LinearisedSolution Newton::solve_linearised(Mat K, std::vector<double> r
     {
       // Do updates of single nodes go round?
       bool repeats = false;
-      if (settle.count() < _options.max_changes)
+      if (updates.count() < _options.max_changes)
       {
-        if (settle.patience() > 0)
+        if (updates.patience() > 0)
           repeated.forget();
         else
           repeats = repeated.stops(_multipliers);
       }
-      if (settle.count() == _options.max_changes || repeats)
+      if (updates.count() == _options.max_changes || repeats)
       {
-        log("    active set not converged after " + std::to_string(settle.count()) +
+        log("    active set not converged after " + std::to_string(updates.count()) +
             " updates: " + std::to_string(changed) + " nodes still change");
         out.wrong = changed;
         break;

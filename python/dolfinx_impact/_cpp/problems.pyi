@@ -367,7 +367,7 @@ class RollingProblem:
     def bring_back(self, saved: dolfinx_impact._cpp.state.State) -> None:
         """Be in the state that saved_state has returned. Collective"""
 
-    def settle(self) -> None:
+    def mark_reached(self) -> None:
         """Take present rates and loads as those that the last solve has reached"""
 
 class RunHistory:

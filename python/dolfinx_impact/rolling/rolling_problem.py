@@ -348,7 +348,7 @@ class RollingProblem(Unique):
             self._flow.update()
             kept.set(*state)
 
-        kept = SweepState(self._equilibrium, self._cpp_object.settle)
+        kept = SweepState(self._equilibrium, self._cpp_object.mark_reached)
         problem = self._fingerprint(options)
         problem.arguments = own | problem.arguments
         return sweep.run(comm, points, solve, file, progress, problem, kept, begin_from)

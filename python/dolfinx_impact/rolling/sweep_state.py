@@ -24,11 +24,11 @@ class SweepState:
 
     Args:
         problem: its equilibrium; contacts are by multipliers.
-        settle: function that takes loads and rates as reached by the last solve.
+        mark_reached: function that takes loads and rates as reached by the last solve.
     """
 
-    def __init__(self, problem: StaticProblem, settle: Callable[[], None]) -> None:
-        self._problem, self._settle, self._comm = problem, settle, problem.space.mesh.comm
+    def __init__(self, problem: StaticProblem, mark_reached: Callable[[], None]) -> None:
+        self._problem, self._mark_reached, self._comm = problem, mark_reached, problem.space.mesh.comm
 
     def read(self) -> tuple[FloatArray, FloatArray] | None:
         """Values at the nodes of every cell, by its number in the mesh's input, (cells, nodes, columns): displacement,
@@ -80,7 +80,7 @@ class SweepState:
             block.assign(totals[start:end])
             start = end
         resume_contacts(saved, self._problem.contact, u.array)
-        self._settle()
+        self._mark_reached()
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -782,7 +782,7 @@ def check_the_state_of_a_sweep_is_read_and_set():
     """Displacement and contact of a solution, after another one, are those of before."""
     problem = wheel_on_plane()
     problem.solve()
-    state = SweepState(problem._equilibrium, problem._cpp_object.settle)
+    state = SweepState(problem._equilibrium, problem._cpp_object.mark_reached)
     table = COMM.bcast(state.read(), root=0)
     assert table[0].shape == state.shape and len(table[1]) == state.num_totals
     u, force = problem.u.x.array.copy(), problem.contact[0].force
