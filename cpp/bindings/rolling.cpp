@@ -139,5 +139,6 @@ void dolfinx_impact::bindings::rolling_problem(nb::module_& m)
             self.equilibrium().resume();
           },
           nb::arg("saved"), "Be in the state that saved_state has returned. Collective")
-      .def("mark_reached", &RollingProblem::mark_reached, "Take present rates and loads as those that the last solve has reached");
+      .def("mark_reached", &RollingProblem::mark_reached,
+           "Take present rates and loads as those that the last solve has reached");
 }
