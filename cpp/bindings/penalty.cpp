@@ -266,6 +266,8 @@ void bind_contact(nb::module_& m)
           },
           nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("bodies"))
       .def_prop_ro("penalty", &QuadraturePenalty::penalty)
+      .def_prop_ro("tangential", &QuadraturePenalty::tangential)
+      .def_prop_ro("convex", &QuadraturePenalty::convex)
       .def_prop_ro("has_begun", &QuadraturePenalty::has_begun)
       .def_prop_ro("closes_nearest", &QuadraturePenalty::closes_nearest)
       .def_prop_ro("initial", &QuadraturePenalty::initial, reference)

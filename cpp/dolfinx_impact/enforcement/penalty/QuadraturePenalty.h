@@ -95,6 +95,9 @@ public:
 
   /// Penalty in use; 0 before the first increment with an automatic one [F/L^3].
   double penalty() const { return _penalty; }
+  /// Tangential penalty in use; 0 before the first increment [F/L^3].
+  double tangential() const { return _tangential; }
+  bool convex() const { return _convex; }
   const PenaltyOptions& options() const { return _options; }
   const gap::InitialPenetration& initial() const { return *_initial; }
   ContactTotals& totals() { return _totals; }
