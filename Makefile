@@ -151,8 +151,7 @@ COVERED := COVERAGE_PROCESS_START=$(CURDIR)/pyproject.toml COVERAGE_FILE=$(CURDI
 coverage-here:
 	rm -rf $(COVERAGE)/data results/coverage && mkdir -p $(COVERAGE)/data results/coverage
 	find $(COVERAGE)/release -name '*.gcda' -delete
-	site=$$(python3 -c 'import sysconfig; print(sysconfig.get_path("purelib"))') && \
-	  echo 'import coverage; coverage.process_startup()' >"$$site/coverage_of_processes.pth"
+	python3 tests/count_processes.py
 	@status=0; $(COVERED) COVERAGE_CORE=sysmon $(MAKE) --no-print-directory test-here || status=1; \
 	$(COVERED) python3 -m coverage combine --quiet --rcfile=pyproject.toml && \
 	$(COVERED) python3 -m coverage json --quiet -o results/coverage/python.json && \

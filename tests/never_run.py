@@ -44,7 +44,8 @@ def part_of(path):
 
 
 def table(files):
-    """One line of text for each part, and one for the sum: its lines, how many of them ran, and the share in per cent."""
+    """One line of text for each part, and one for the sum: its lines, how many of them ran, and the share in per
+    cent."""
     parts = {}
     for file in files:
         part = parts.setdefault(part_of(file.path), [0, 0])

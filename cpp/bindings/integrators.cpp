@@ -75,13 +75,6 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("add_contact", &CentralDifference::add_contact, nb::arg("pair"), nb::arg("columns"))
       .def("set_contact_step", &CentralDifference::set_contact_step)
       .def_prop_ro("contact_step", &CentralDifference::contact_step)
-      .def(
-          "add_watch", [](CentralDifference& self, Indices nodes, int nodes_per_cell)
-          { self.add_watch(span(nodes), nodes_per_cell); }, nb::arg("nodes"), nb::arg("nodes_per_cell"))
-      .def(
-          "set_watch", [](CentralDifference& self, Values u, Values allowed)
-          { self.set_watch(span(u), span(allowed)); }, nb::arg("u"), nb::arg("allowed"))
-      .def("deformations", [](CentralDifference& self, Values u) { return take(self.deformations(span(u))); })
       .def_prop_ro("deformed", &CentralDifference::deformed)
       .def("start", [](CentralDifference& self, Values u, Values v) { self.start(span(u), span(v)); })
       .def(
@@ -119,7 +112,6 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("resume", &CentralDifference::resume, nb::arg("saved"), "Go on from what saved_state has returned")
       .def_prop_ro("gain", [](const CentralDifference& self) { return self.gain().now; })
       .def_prop_ro("most_gained", [](const CentralDifference& self) { return self.gain().most; })
-      .def_prop_rw("gain_limit", &CentralDifference::gain_limit, &CentralDifference::set_gain_limit)
       .def_prop_ro("released", &CentralDifference::released)
       .def_prop_rw("release_limit", &CentralDifference::release_limit, &CentralDifference::set_release_limit)
       .def("fastest", &CentralDifference::fastest)
@@ -133,9 +125,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
           },
           "Contact (-1: none), local node, facets per step of the slave node that went through a master fastest")
       .def("update_gaps", &CentralDifference::update_gaps)
-      .def_prop_ro("num_searches", &CentralDifference::num_searches)
       .def_prop_ro("traffic", [](const CentralDifference& self)
                    { return std::pair(self.traffic().messages, self.traffic().values); })
-      .def_prop_ro("contact_seconds", &CentralDifference::contact_seconds)
-      .def_prop_ro("row_size", &CentralDifference::row_size);
+      .def_prop_ro("contact_seconds", &CentralDifference::contact_seconds);
 }

@@ -56,7 +56,6 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
       .def_prop_ro("shape", [](const Kernel& s) { return std::pair(s.k->shape[0], s.k->shape[1]); })
       .def_prop_ro("size_A", [](const Kernel& s) { return s.k->size_A; })
       .def_prop_ro("num_points", [](const Kernel& s) { return s.k->num_points; })
-      .def_prop_ro("local_unknowns", [](const Kernel& s) { return s.k->local_unknowns; })
       .def_prop_ro("sums",
                    [](const Kernel& s)
                    {

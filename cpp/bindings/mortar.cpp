@@ -105,10 +105,6 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
       .def_prop_ro(
           "master", [](const Segments& s) { return copy(s.master, {s.master.size()}); }, nb::rv_policy::move)
       .def_prop_ro(
-          "xi_slave", [](const Segments& s) { return copy(s.xi_slave, {s.slave.size(), 2}); }, nb::rv_policy::move)
-      .def_prop_ro(
-          "xi_master", [](const Segments& s) { return copy(s.xi_master, {s.slave.size(), 2}); }, nb::rv_policy::move)
-      .def_prop_ro(
           "weight", [](const Segments& s) { return copy(s.weight, {s.weight.size()}); }, nb::rv_policy::move)
       .def_prop_ro(
           "covered", [](const Segments& s) { return copy(s.covered, {s.covered.size()}); }, nb::rv_policy::move);
@@ -121,10 +117,6 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
       },
       nb::arg("slave"), nb::arg("master"), nb::arg("points"), nb::arg("weights"), nb::arg("reach"),
       nb::arg("axisymmetric") = false, "Segments of slave facets with the master facets within reach of them");
-  m.def(
-      "whole_facets", [](const Facets& slave, Values points, Values weights, bool axisymmetric)
-      { return whole_facets(slave, rule(slave, points, weights), axisymmetric); }, nb::arg("slave"), nb::arg("points"),
-      nb::arg("weights"), nb::arg("axisymmetric") = false);
   nb::class_<Mortar>(m, "Mortar", "Mortar integrals; properties are copies")
       .def_prop_ro("D", [](const Mortar& s) { return as_arrays(s.D); })
       .def_prop_ro("M", [](const Mortar& s) { return as_arrays(s.M); })
@@ -149,23 +141,6 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
       },
       nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("basis"), nb::arg("carries"),
       "Mortar integrals; `carries` (by node, int8) marks the nodes that have a multiplier");
-  m.def(
-      "add_normals",
-      [](const Facets& slave, MutableValues normals)
-      {
-        check_nodal(slave, normals.size(), slave.gdim);
-        add_normals(slave, {normals.data(), normals.size()});
-      },
-      nb::arg("slave"), nb::arg("normals").noconvert(),
-      "Add this rank's facet normals at nodes, turned round (a view is changed)");
-  m.def(
-      "sliding_tangent",
-      [](const Facets& slave, const Facets& master, const Segments& segments, const Mortar& mortar, Values z)
-      {
-        check_nodal(slave, z.size(), slave.gdim);
-        return as_arrays(sliding_tangent(slave, master, segments, mortar, {z.data(), z.size()}));
-      },
-      nb::arg("slave"), nb::arg("master"), nb::arg("segments"), nb::arg("mortar"), nb::arg("z"));
   m.def(
       "turning_tangent",
       [](const Facets& slave, Values sums, Values force)

@@ -80,9 +80,6 @@ void bind_state(nb::class_<Contact, MultiplierContact>& c)
           },
           "Gap at the start of the increment where a node is open, else zero; None before the first, (n) [L]")
       .def_prop_rw(
-          "imposed", [](Contact& c) { return by_node(c, c.coulomb().imposed); }, [](Contact& c, Array values)
-          { assign(c.coulomb().imposed, values); }, "Tractions along prescribed directions, (n, gdim) [F/L^2]")
-      .def_prop_rw(
           "linearised_gap",
           [](const Contact& c)
           {

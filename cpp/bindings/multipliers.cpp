@@ -162,16 +162,6 @@ void bind_saddle_point(nb::module_& m)
       .def_prop_ro(
           "pinned", [](const SaddlePoint& s) { return mask(s.pinned(), {s.pinned().size()}); }, nb::rv_policy::move,
           "Mask of the pinned unknowns, a copy")
-      .def_prop_ro(
-          "redundant",
-          [](const SaddlePoint& s)
-          {
-            nb::typed<nb::list, NumpyArray<std::int64_t>> out;
-            for (const auto& rows : s.redundant())
-              out.append(copy(rows, {rows.size()}));
-            return out;
-          },
-          "Numbers of the nodes whose normal condition was left out, by contact")
       .def_prop_ro("right", &SaddlePoint::right, nb::rv_policy::reference, "C, kept by this object")
       .def_prop_ro("left", &SaddlePoint::left, nb::rv_policy::reference, "C_L, kept by this object")
       .def(

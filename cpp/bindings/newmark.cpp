@@ -69,7 +69,6 @@ void bind_scheme(nb::module_& m)
       .def_ro("alpha_m", &ImplicitScheme::alpha_m)
       .def_ro("alpha_f", &ImplicitScheme::alpha_f)
       .def_prop_ro("second_order", &ImplicitScheme::second_order)
-      .def_prop_ro("error_constant", &ImplicitScheme::error_constant)
       .def("stable_frequency", &ImplicitScheme::stable_frequency,
            "Largest product of frequency and step at which nothing grows; infinite if all are stable")
       .def("spectral_radius", &ImplicitScheme::spectral_radius, nb::arg("product"), nb::arg("damping") = 0.0,

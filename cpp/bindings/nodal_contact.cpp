@@ -133,9 +133,6 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           nb::rv_policy::move)
       .def_prop_ro("facet_length", &NodeToSurface::facet_length)
       .def(
-          "too_deep", [](const NodeToSurface& self, Values u) { return self.too_deep({u.data(), u.size()}); },
-          nb::arg("u"), "Nodes in a rigid master by more than half a facet; None: it is deformable")
-      .def(
           "assign_numbers",
           [](NodeToSurface& self, Halo& halo, Values mass)
           {
@@ -260,8 +257,6 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
             return take(std::vector<double>(force.begin(), force.end()));
           },
           nb::rv_policy::move, "Three components of the force on the slave in the last step, of this rank")
-      .def("saved_states", &NodalPair::saved_states, "What the next step starts from, of each direction")
-      .def("resume", &NodalPair::resume, nb::arg("saved"), "Go on from what saved_states has returned")
       .def("energy", [](const NodalPair& self) { return energies(self.energy()); });
 
   m.def(

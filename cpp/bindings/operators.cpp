@@ -222,13 +222,6 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           },
           nb::arg("masses"), nb::arg("only").none(), nb::arg("facets"), nb::rv_policy::move,
           "Lower bound, upper bound and norm of the skew part by owned cell. Collective");
-  m.attr("direction_name") = direction_name;
-  m.def(
-      "cell_spectra",
-      [](const Integral& matrix, const FunctionSpace& V, const Coefficients& coefficients, Values masses)
-      { return bindings::take(cell_spectra(matrix, V, coefficients, {masses.data(), masses.size()})); },
-      nb::arg("matrix"), nb::arg("V"), nb::arg("coefficients"), nb::arg("masses"), nb::rv_policy::move,
-      "Smallest and largest eigenvalue of the lumped mass's inverse times the matrix, norm of the skew part, by cell");
   m.def(
       "nodes_of_bodies", [](const dolfinx::fem::FunctionSpace<double>& V, Indices nodes)
       { return bindings::take(nodes_of_bodies(V, {nodes.data(), nodes.size()})); }, nb::arg("V"), nb::arg("nodes"),

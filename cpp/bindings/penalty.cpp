@@ -171,7 +171,6 @@ void bind_forces(nb::module_& m)
       .def_prop_ro("map", &PenaltyForces::map)
       .def_prop_ro(
           "search", [](PenaltyForces& p) { return p.search(); }, reference)
-      .def_prop_ro("num_matrices", &PenaltyForces::num_matrices)
       .def("energy", &PenaltyForces::energy, "Energy of the springs, this rank's part")
       .def(
           "update_gap", [](PenaltyForces& p, Values u, Values start, bool stay)
@@ -214,8 +213,7 @@ void bind_parts(nb::module_& m)
   nb::class_<Uzawa>(m, "Uzawa", "Multipliers at the corners of the slave's facets")
       .def_prop_ro(
           "multiplier", [](const Uzawa& u) { return copy(u.multiplier, {u.multiplier.size()}); }, nb::rv_policy::move)
-      .def_prop_ro("rounds", &Uzawa::rounds)
-      .def_prop_ro("penetration", &Uzawa::penetration);
+      .def_prop_ro("rounds", &Uzawa::rounds);
   nb::class_<PenaltyOptions>(m, "PenaltyOptions", "Parameters of penalty contact at quadrature points")
       .def(nb::init<>())
       .def_rw("penalty", &PenaltyOptions::penalty)
@@ -268,8 +266,6 @@ void bind_contact(nb::module_& m)
           },
           nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("bodies"))
       .def_prop_ro("penalty", &QuadraturePenalty::penalty)
-      .def_prop_ro("tangential", &QuadraturePenalty::tangential)
-      .def_prop_ro("convex", &QuadraturePenalty::convex)
       .def_prop_ro("has_begun", &QuadraturePenalty::has_begun)
       .def_prop_ro("closes_nearest", &QuadraturePenalty::closes_nearest)
       .def_prop_ro("initial", &QuadraturePenalty::initial, reference)

@@ -173,7 +173,6 @@ void bind_history(nb::module_& m)
           },
           nb::arg("energies"))
       .def_prop_ro("num_rows", &RunHistory::num_rows)
-      .def_prop_ro("row_size", &RunHistory::row_size)
       .def_prop_ro("stride", &RunHistory::stride)
       .def_prop_ro("memory", &RunHistory::memory)
       .def_prop_rw("limit", &RunHistory::limit, &RunHistory::set_limit);

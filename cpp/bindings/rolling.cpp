@@ -79,7 +79,6 @@ void dolfinx_impact::bindings::rolling(nb::module_& m)
           { return vectors(c.slip_velocity(), c.geometry().num_nodes(), c.geometry().gdim()); },
           "Of slave against master, (n, gdim) [L/T]")
       .def_prop_ro("friction_power", &RollingContact::friction_power, "Of all ranks [F L/T]")
-      .def_prop_ro("steady_friction", &RollingContact::steady_friction, "Coefficient of friction [1]")
       .def("speed", &RollingContact::speed, "Largest speed at the surfaces, of all ranks [L/T]. Collective");
 }
 
@@ -128,8 +127,6 @@ void dolfinx_impact::bindings::rolling_problem(nb::module_& m)
           },
           nb::arg("G"), nb::arg("M"), nb::arg("along"), nb::arg("count"), nb::arg("tolerance"),
           "Signed frequencies, sorted by modulus, and the number of modes found that grow. Collective")
-      .def("negative_directions", &RollingProblem::negative_directions,
-           "Number of negative eigenvalues of stiffness minus W. Collective")
       .def_prop_ro("stable_rates", &RollingProblem::stable_rates, "Rates up to which the problem is known to be stable")
       .def(
           "saved_state", [](RollingProblem& self) { return self.state().copy(); },

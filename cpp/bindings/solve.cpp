@@ -144,7 +144,6 @@ void bind_increment(nb::module_& m)
       .def("cycle", &Increment::cycle, "Period of a cycle in the last iterations; 0: no cycle")
       .def("stalled", &Increment::stalled, "Whether active sets did not converge, and the residual does not fall")
       .def_rw("fault", &Increment::fault)
-      .def_rw("hopeless", &Increment::hopeless)
       .def_rw("advice", &Increment::advice)
       .def_rw("iterations", &Increment::iterations)
       .def_rw("unsettled", &Increment::unsettled)
@@ -228,7 +227,6 @@ void bind_newton(nb::module_& m)
       .def_ro("keeps_tangent", &BodyProperties::keeps_tangent, "It does not change with time either")
       .def_ro("symmetric", &BodyProperties::symmetric, "The tangent is symmetric")
       .def_ro("inelastic", &BodyProperties::inelastic, "There are internal variables")
-      .def_ro("has_inertia", &BodyProperties::has_inertia, "Inertia holds the bodies")
       .def_ro("has_springs", &BodyProperties::has_springs, "Springs to the ground may hold the bodies")
       .def_ro("rounds_positions", &BodyProperties::rounds_positions, "Round-off of positions enters the forces");
   nb::class_<Body>(m, "Body", "Bodies of a problem: residual and tangent")
@@ -316,8 +314,7 @@ void bind_newton(nb::module_& m)
           "run", [](IncrementSolver& self, Values target) { return self.run(view(target)); }, nb::arg("target"),
           "Solve from the present displacements to prescribed values. Collective")
       .def("forget", &IncrementSolver::forget, "Forget what was kept from earlier increments. Collective")
-      .def("free", &IncrementSolver::free, "Give back the memory of PETSc's objects. Collective")
-      .def("tell_nobody", &IncrementSolver::tell_nobody, "Forget the functions that are told");
+      .def("free", &IncrementSolver::free, "Give back the memory of PETSc's objects. Collective");
 }
 
 void bind_load_steps(nb::module_& m)
@@ -373,36 +370,10 @@ void bind_rigid_body_modes(nb::module_& m)
             return take(self.field(mode), {std::size_t(self.num_owned()), std::size_t(self.gdim())});
           },
           nb::arg("number"), "Displacements of the owned nodes under one mode, (num_owned, gdim)");
-  m.def(
-      "unconstrained_modes",
-      [](std::shared_ptr<const Space> V, Mask fixed, const std::vector<std::shared_ptr<StaticContact>>& contacts,
-         Values u, bool axisymmetric, std::optional<Mat> stiffness)
-      {
-        std::vector<StaticContact*> pointers;
-        for (const auto& contact : contacts)
-          pointers.push_back(contact.get());
-        return unconstrained_modes(*V, bytes(fixed), pointers, view(u), axisymmetric, stiffness.value_or(nullptr));
-      },
-      nb::arg("V"), nb::arg("fixed"), nb::arg("contacts"), nb::arg("u"), nb::arg("axisymmetric") = false,
-      nb::arg("stiffness") = nb::none(), "Rigid body modes that nothing constrains, in words. Collective");
 }
 
 void bind_eigenvalues(nb::module_& m)
 {
-  m.def(
-      "largest_eigenvalue",
-      [](Mat A, std::optional<Mat> B, double tolerance, bool factorise)
-      {
-        const EigenOptions options{.tolerance = tolerance,
-                                   .inner = factorise ? InnerSolver::cholesky : InnerSolver::conjugate_gradients};
-        const auto found = largest_eigenvalue(A, B.value_or(nullptr), options);
-        nb::object pair = nb::none();
-        if (found)
-          pair = nb::make_tuple(found->first, nb::cast(found->second, nb::rv_policy::take_ownership));
-        return typed<std::optional<std::pair<double, Vec>>>(pair);
-      },
-      nb::arg("A"), nb::arg("B").none(), nb::arg("tolerance"), nb::arg("factorise") = false,
-      "Largest eigenvalue of A x = lambda B x, and eigenvector; None: not found. Collective");
   m.def(
       "lowest_eigenvalues", [](Mat A, Mat B, int count, double shift, double tolerance)
       { return take(lowest_eigenvalues(A, B, count, shift, {.tolerance = tolerance})); }, nb::arg("A"), nb::arg("B"),

@@ -112,9 +112,6 @@ void dolfinx_impact::bindings::state(nb::module_& m)
       .def("copy", &State::copy, "The same tree with values of its own")
       .def("assign", &State::assign, nb::arg("other"),
            "Set the values to those of a tree with the same fields and parts")
-      .def("assign_common", &State::assign_common, nb::arg("other"),
-           "Set the fields that another state has, too; parts stay")
-      .def("difference_of_structure", &State::difference_of_structure, nb::arg("other"))
       .def("difference_of_values", &State::difference_of_values, nb::arg("other"))
       .def("__repr__",
            [](const State& self)

@@ -237,7 +237,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     argv = sys.argv[1:] if argv is None else list(argv)
     if argv[:1] == ["verify"]:
-        from impact_verify.run import main as verify_main
+        from impact_verify.verify_command import main as verify_main
 
         return verify_main(argv[1:])
     if argv[:1] == ["compile"]:

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: MIT
 """Cross-verification of the UFL side against the hand-written solver, level by level.
 
-`cross_check` compares forms of the catalogue, `self_check` checks forms that have no counterpart; `run.main` is the
-command line. Modules are imported on first use, so that importing the package does not need SLEPc or matplotlib.
+`cross_check` compares forms of the catalogue, `self_check` checks forms that have no counterpart;
+`verify_command.main` is the command line. Modules are imported on first use, so that importing the package does not
+need SLEPc or matplotlib.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+
+from dolfinx_impact.common.moved_packages import find_moved_modules
 
 if TYPE_CHECKING:
     import ufl
@@ -18,13 +21,15 @@ if TYPE_CHECKING:
 
 __all__ = ["OwnForm", "cross_check", "self_check"]
 
+find_moved_modules()  # those of this package, too
+
 
 def cross_check(form_or_name: str | ufl.Form | None = None, **options: Any) -> Report:
     """Compare forms of the catalogue, or a form of the user, with the hand-written solver.
 
     Args:
         form_or_name: a name of the catalogue, a UFL form, a path of a user's file, or None for all forms.
-        options: keyword arguments of `verify.run.cross_check`.
+        options: keyword arguments of `impact_verify.levels.cross_check`.
 
     Returns:
         Report with `rows` and `passed`.
@@ -32,7 +37,7 @@ def cross_check(form_or_name: str | ufl.Form | None = None, **options: Any) -> R
     Raises:
         ValueError: unknown form, operator, cell, degree or level; a UFL form without an operator.
     """
-    from .run import cross_check as check
+    from .levels import cross_check as check
 
     return check(form_or_name, **options)
 
@@ -44,7 +49,7 @@ def self_check(form: Any, name: str | None = None, **options: Any) -> SelfCheckR
         form: function of a mesh that returns an `OwnForm`, UFL form, material with internal variables, or path of a
             user's file.
         name: name of the form; in a file the one to check, None for all.
-        options: keyword arguments of `verify.selfcheck.run.self_check`.
+        options: keyword arguments of `impact_verify.selfcheck.self_check.self_check`.
 
     Returns:
         Report with `rows` and `passed`.

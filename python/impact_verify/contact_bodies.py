@@ -19,7 +19,7 @@ from scipy.sparse import csr_matrix
 from dolfinx_impact import contact, materials
 from dolfinx_impact.common.types import AnyArray, FloatArray, IntArray
 from dolfinx_impact.contact.pair import Smooth
-from . import bodies, nodes
+from . import matched_body, nodes
 
 SLAVE, MASTER, TOP, BOTTOM = 1, 2, 3, 4
 BETWEEN = 0.5  # distance of the bodies while the mesh is made and tagged [L]
@@ -130,7 +130,7 @@ def roughen(domain: Mesh, rng: np.random.Generator, amount: float) -> None:
     domain.geometry.x[:, :dim] += amount * rng.uniform(-1, 1, (len(domain.geometry.x), dim))
 
 
-class TwoBodies(bodies.Body):
+class TwoBodies(matched_body.Body):
     """Two bodies in contact on both sides, or one body and a rigid obstacle.
 
     Args:
@@ -149,7 +149,7 @@ class TwoBodies(bodies.Body):
         domain: Mesh,
         tags: MeshTags,
         degree: int,
-        material: bodies.ElasticMaterial,
+        material: matched_body.ElasticMaterial,
         friction: float = 0.0,
         rigid: ObstaclePair | None = None,
         prescribed: IntArray | tuple[int, ...] = (),
@@ -233,7 +233,7 @@ class TwoBodies(bodies.Body):
         return csr_matrix((csr.data, csr.indices, csr.indptr), shape=csr.shape)[self.nodes][:, self.nodes]
 
 
-def steel(hypothesis: str, kind: type[bodies.Material] = materials.LinearElastic) -> bodies.Material:
+def steel(hypothesis: str, kind: type[matched_body.Material] = materials.LinearElastic) -> matched_body.Material:
     """Material with modulus 1, Poisson's ratio 0.3 and density 1.
 
     Args:

@@ -15,7 +15,7 @@ from dolfinx_impact import _cpp, contact
 from dolfinx_impact.common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from dolfinx_impact.materials import _Material
 from dolfinx_impact.statics.static_problem import StaticProblem
-from . import bodies
+from . import differences, matched_body
 from .contact_bodies import MASTER, SLAVE, TwoBodies, rule
 from .report import Report
 
@@ -128,7 +128,9 @@ def match_points(body: TwoBodies, ours: Any, theirs: impact_reference.Contact) -
     Returns:
         Number of the other side's point at each of our points, shape (num_points).
     """
-    return bodies.match_nodes(ours.points, theirs.closest_points(np.zeros(len(body.u.x.array))).position, body.size)
+    return matched_body.match_nodes(
+        ours.points, theirs.closest_points(np.zeros(len(body.u.x.array))).position, body.size
+    )
 
 
 def empty_matrix(size: int) -> PETSc.Mat:
@@ -180,7 +182,7 @@ def penalty(report: Report, body: TwoBodies, name: str, seed: int) -> None:
     result = theirs.penalty(body.to_theirs(u), PENALTY, TANGENTIAL, history)
     _points(rows, ours, result.points, their_points)
     rows("penalty_force", ours.contact_forces(), body.to_ours(result.force))
-    tangent = bodies.petsc_to_scipy(ours.tangent())
+    tangent = differences.petsc_to_scipy(ours.tangent())
     rows("penalty_tangent", tangent.toarray(), body.matrix_to_ours(result.tangent).toarray())
     ours.accept_step()
     rows("friction_slip", ours.history.slip.reshape(-1, body.gdim), result.history.slip[their_points])
@@ -276,7 +278,7 @@ def _matrices(rows: Rows, body: TwoBodies, ours: Any, theirs: impact_reference.c
     rows(f"{kind}_D", _dense(ours.mortar.D, num), D)
     rows(f"{kind}_M", _dense(ours.mortar.M, num), M)
     jump = ours.jump_matrix()
-    rows(f"{kind}_jump", bodies.petsc_to_scipy(jump).toarray(), D - M)
+    rows(f"{kind}_jump", differences.petsc_to_scipy(jump).toarray(), D - M)
     gamma = np.zeros((num, body.gdim))
     np.add.at(gamma, ours.search.slave.nodes.ravel(), ours.mortar.gamma.reshape(-1, body.gdim))
     rows(f"{kind}_gamma", gamma, body.nodal_to_ours(theirs.gamma))

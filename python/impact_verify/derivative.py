@@ -13,7 +13,7 @@ from dolfinx_impact import materials
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import loads, quadrature
-from . import bodies
+from . import matched_body
 from .catalogue import Element
 from .report import Report
 
@@ -95,7 +95,7 @@ def _add(report: Report, form: str, element: Element, remainders: FloatArray, sc
     report.add("derivative", form, *element, difference, TOLERANCE, reason, name, note)
 
 
-def _law(report: Report, V: FunctionSpace, material: bodies.Material, element: Element) -> None:
+def _law(report: Report, V: FunctionSpace, material: matched_body.Material, element: Element) -> None:
     u, d = _state(V)
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     energy = operators.Energy(operators.strain_energy_form(u, material))

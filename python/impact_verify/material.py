@@ -18,7 +18,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from dolfinx_impact.assembly.body_forms import body_forms
-from dolfinx_impact.assembly.history import MaterialHistory
+from dolfinx_impact.assembly.material_history import MaterialHistory
 from dolfinx_impact.assembly.operators import InternalForce
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import plasticity as law

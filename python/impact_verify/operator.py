@@ -18,7 +18,7 @@ from dolfinx_impact.assembly import lumped_mass, operators
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import elasticity, inertia, loads, quadrature
 from dolfinx_impact.foundation import Foundation
-from . import bodies
+from . import differences, matched_body
 from .nodes import TheirRule
 from .report import Report
 
@@ -28,7 +28,7 @@ Values: TypeAlias = Union[float, FloatArray, csr_matrix]
 
 TOLERANCE = 1e-12
 REASON = "round-off of sums over a cell and its neighbours"
-LAWS: dict[str, type[bodies.Material]] = {
+LAWS: dict[str, type[matched_body.Material]] = {
     "linear_elastic": materials.LinearElastic,
     "st_venant_kirchhoff": materials.StVenantKirchhoff,
     "neo_hookean": materials.NeoHookean,
@@ -103,30 +103,30 @@ def stiffness_rule(domain: Mesh, degree: int, hypothesis: str, law: str) -> Thei
     return f"gauss_jacobi:{used}"
 
 
-def _measure(body: bodies.Body, degree: int) -> ufl.Measure:
+def _measure(body: matched_body.Body, degree: int) -> ufl.Measure:
     return ufl.Measure("dx", domain=body.mesh, metadata=quadrature.metadata(degree))
 
 
-def _row(report: Report, body: bodies.Body, form: str, name: str, ours: Values, theirs: Values) -> None:
+def _row(report: Report, body: matched_body.Body, form: str, name: str, ours: Values, theirs: Values) -> None:
     """Add the row of two numbers, vectors or sparse matrices in our order."""
     element = (body.cell, body.degree, body.geometry_degree, body.hypothesis)
     if isinstance(ours, float):
         difference, note = abs(ours / theirs - 1), f"UFL {ours:.15g}, hand-written {theirs:.15g}"
     else:
-        difference, note = bodies.largest_difference(body, ours, theirs)
+        difference, note = differences.largest_difference(body, ours, theirs)
     report.add("operator", form, *element, difference, TOLERANCE, REASON, name, note)
 
 
 def _linear(report: Report, name: str, domain: Mesh, hypothesis: str, degree: int) -> None:
     steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
     theirs = stiffness_rule(domain, degree, hypothesis, "linear_elastic")
-    body = bodies.Body(domain, degree, steel, "linear_elastic", theirs)
+    body = matched_body.Body(domain, degree, steel, "linear_elastic", theirs)
     V, u = body.V, _displacement(body)
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     g = body.geometry_degree
     dx = _measure(body, quadrature.stiffness_degree(body.cell, degree, g, hypothesis))
     law = steel.law(domain)
-    K = bodies.petsc_to_scipy(operators.Tangent(elasticity.tangent(u, du, v, law, dx)).assemble())
+    K = differences.petsc_to_scipy(operators.Tangent(elasticity.tangent(u, du, v, law, dx)).assemble())
     theirs_K = body.matrix_to_ours(body.model.stiffness())
     _row(report, body, "linear_elastic.tangent", f"K on {name}", K, theirs_K)
     f = operators.InternalForce(elasticity.internal_force(u, v, law, dx)).apply().array
@@ -140,16 +140,16 @@ def _linear(report: Report, name: str, domain: Mesh, hypothesis: str, degree: in
 
 def _foundation(report: Report, name: str, domain: Mesh, hypothesis: str, degree: int) -> None:
     """Springs under the whole boundary, along the normal and along the coordinates."""
-    body = bodies.Body(domain, degree, materials.LinearElastic(2.0, 0.3, 1.5, hypothesis))
+    body = matched_body.Body(domain, degree, materials.LinearElastic(2.0, 0.3, 1.5, hypothesis))
     tags, V = _boundary(domain), body.V
-    body.model.facet_rule = bodies.foundation_rule(body)
+    body.model.facet_rule = matched_body.foundation_rule(body)
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     for form, springs in (
         ("normal_foundation_tangent", 0.7),
         ("foundation_tangent", np.arange(1.0, body.gdim + 1)),
     ):
         foundation = Foundation(tags, 1, springs)
-        K = bodies.petsc_to_scipy(operators.Tangent(foundation.springs(du, v, hypothesis)).assemble())
+        K = differences.petsc_to_scipy(operators.Tangent(foundation.springs(du, v, hypothesis)).assemble())
         theirs = body.matrix_to_ours(body.model.foundation(body.their_facets(tags, 1), springs))
         _row(report, body, form, f"springs under {name}", K, theirs)
 
@@ -162,15 +162,15 @@ def _boundary(domain: Mesh) -> MeshTags:
     return mesh.meshtags(domain, dim, facets, np.full(len(facets), 1, dtype=np.int32))
 
 
-def _masses(report: Report, name: str, body: bodies.Body, steel: materials.LinearElastic) -> None:
+def _masses(report: Report, name: str, body: matched_body.Body, steel: materials.LinearElastic) -> None:
     # A second model, because masses keep the default rule, which is exact, where the stiffness has a named one.
     domain, degree, hypothesis = body.mesh, body.degree, body.hypothesis
-    body = bodies.Body(domain, degree, steel)
+    body = matched_body.Body(domain, degree, steel)
     V = body.V
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     used = quadrature.mass_degree(body.cell, degree, body.geometry_degree, hypothesis)
     dx = _measure(body, used)
-    M = bodies.petsc_to_scipy(
+    M = differences.petsc_to_scipy(
         operators.Tangent(inertia.mass(du, v, steel.density_constant(domain), hypothesis, dx)).assemble()
     )
     _row(report, body, "mass", f"M on {name}", M, body.matrix_to_ours(body.model.mass()))
@@ -182,7 +182,7 @@ def _masses(report: Report, name: str, body: bodies.Body, steel: materials.Linea
     _row(report, body, "body_force", f"load on {name}", b, body.to_ours(body.model.body_force(f)))
 
 
-def _displacement(body: bodies.Body) -> Function:
+def _displacement(body: matched_body.Body) -> Function:
     u = fem.Function(body.V, name="u")
     size = np.ptp(body.points, axis=0).max()
     dim = body.gdim
@@ -195,7 +195,7 @@ def _displacement(body: bodies.Body) -> Function:
 def _finite(report: Report, name: str, domain: Mesh, hypothesis: str, degree: int, law_name: str) -> None:
     rubber = LAWS[law_name](2.0, 0.3, 1.5, hypothesis)
     theirs = stiffness_rule(domain, degree, hypothesis, law_name)
-    body = bodies.Body(domain, degree, rubber, law_name, theirs)
+    body = matched_body.Body(domain, degree, rubber, law_name, theirs)
     u, V = _displacement(body), body.V
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     dx = _measure(body, quadrature.stiffness_degree(body.cell, degree, body.geometry_degree, hypothesis))
@@ -204,5 +204,5 @@ def _finite(report: Report, name: str, domain: Mesh, hypothesis: str, degree: in
     at = body.to_theirs(u.x.array)
     expected = body.to_ours(body.model.internal_force(at))
     _row(report, body, f"{law_name}.force", f"f(u) on {name}", f, expected)
-    K = bodies.petsc_to_scipy(operators.Tangent(elasticity.tangent(u, du, v, law, dx)).assemble())
+    K = differences.petsc_to_scipy(operators.Tangent(elasticity.tangent(u, du, v, law, dx)).assemble())
     _row(report, body, f"{law_name}.tangent", f"K(u) on {name}", K, body.matrix_to_ours(body.model.tangent(at)))

@@ -20,7 +20,7 @@ from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import loads, quadrature
 from dolfinx_impact.loads import Load
 from dolfinx_impact.statics.static_problem import StaticProblem
-from . import bodies
+from . import matched_body
 from .report import Report
 
 TOLERANCE = 0.1
@@ -115,11 +115,11 @@ def _errors(cell: str, degree: int, hypothesis: str, n: int) -> list[float]:
     if hypothesis == "axisymmetric":
         domain.geometry.x[:, 0] += 0.5
     steel = materials.LinearElastic(1.0, 0.3, 1.0, hypothesis)
-    body = bodies.Body(domain, degree, steel)
+    body = matched_body.Body(domain, degree, steel)
     return [*_ours(body, steel), *_theirs(body)]
 
 
-def _source(body: bodies.Body, steel: materials.LinearElastic) -> ufl.core.expr.Expr:
+def _source(body: matched_body.Body, steel: materials.LinearElastic) -> ufl.core.expr.Expr:
     """Body force that makes the manufactured displacement the solution: minus the divergence of its stress."""
     x = ufl.SpatialCoordinate(body.mesh)
     u = ufl.as_vector(exact(x, body.gdim, ufl.sin, ufl.cos))
@@ -138,20 +138,20 @@ class _Source:
     def __init__(self, f: ufl.core.expr.Expr, degree: int) -> None:
         self.f, self.degree = f, degree
 
-    def form(self, u: Function, v: ufl.Argument, material: bodies.Material) -> ufl.Form:
+    def form(self, u: Function, v: ufl.Argument, material: matched_body.Material) -> ufl.Form:
         mesh = u.function_space.mesh
         dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(self.degree))
         return loads.body_force(self.f, v, material.hypothesis_on(mesh), dx)
 
 
-def _boundary(body: bodies.Body) -> npt.NDArray[np.int32]:
+def _boundary(body: matched_body.Body) -> npt.NDArray[np.int32]:
     """Our nodes on the boundary."""
     tdim = body.mesh.topology.dim
     body.mesh.topology.create_connectivity(tdim - 1, tdim)
     return fem.locate_dofs_topological(body.V, tdim - 1, exterior_facet_indices(body.mesh.topology))
 
 
-def _ours(body: bodies.Body, steel: materials.LinearElastic) -> FloatArray:
+def _ours(body: matched_body.Body, steel: materials.LinearElastic) -> FloatArray:
     V, dim = body.V, body.gdim
     target = fem.Function(V)
     target.interpolate(lambda x: np.array(exact(x, dim)))
@@ -166,7 +166,7 @@ def _ours(body: bodies.Body, steel: materials.LinearElastic) -> FloatArray:
     return np.sqrt(square)
 
 
-def _theirs(body: bodies.Body) -> list[float]:
+def _theirs(body: matched_body.Body) -> list[float]:
     """Errors of the hand-written solver with the same source, interpolated at its nodes with an error O(h^(p+1))."""
     dim, model = body.gdim, body.model
     x = model.field_points
@@ -206,7 +206,7 @@ def _theirs(body: bodies.Body) -> list[float]:
     ]
 
 
-def _numeric_source(body: bodies.Body) -> FloatArray:
+def _numeric_source(body: matched_body.Body) -> FloatArray:
     """The source at the nodes of the hand-written solver, evaluated from the expression of UFL."""
     V = body.V
     f = fem.Function(V)

@@ -20,7 +20,7 @@ from dolfinx_impact.dynamics.run_history import ENERGIES
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.plasticity import J2Plasticity
 from dolfinx_impact.statics.static_problem import StaticProblem
-from . import bodies
+from . import differences, matched_body
 from .material import CASES, Case
 from .nodes import TheirRule
 from .report import Report
@@ -107,7 +107,7 @@ class PlasticBodies:
         if cell in quadrature.SIMPLICES:
             rule = basix.make_quadrature(getattr(basix.CellType, cell), used)
         rules: dict[str, TheirRule] = {"stiffness": rule, "finite_strain": rule}  # masses keep their default rule
-        self.body = bodies.Body(domain, degree, self.steel, "linear_elastic", rules)
+        self.body = matched_body.Body(domain, degree, self.steel, "linear_elastic", rules)
         self.other = ref.PlasticBody(
             self.body.model, ref.J2Parameters(E, NU, **theirs), "simo" if finite else "small", average
         )  # fmt: skip
@@ -151,7 +151,7 @@ def static(report: Report, *arguments: Any) -> None:
     for what, index, expected in (("u", 0, theirs.u), ("reactions", 1, theirs.reactions)):
         worst, note = 0.0, ""
         for k, ours in enumerate(found):
-            difference, where = bodies.largest_difference(body, ours[index], body.to_ours(np.asarray(expected)[k]))
+            difference, where = differences.largest_difference(body, ours[index], body.to_ours(np.asarray(expected)[k]))
             if not difference <= worst:
                 worst, note = difference, where
         report.add(

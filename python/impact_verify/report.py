@@ -17,7 +17,7 @@ class Row:
     """One comparison.
 
     Args:
-        level: level of the comparison, one of verify.run.LEVELS.
+        level: level of the comparison, one of levels.LEVELS.
         form: form or method that is compared.
         cell: cell.
         degree: degree of the displacement.

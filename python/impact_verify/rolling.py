@@ -15,7 +15,7 @@ from impact_reference import RollingSolution
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.rolling.rolling_problem import RollingProblem
-from . import bodies
+from . import differences
 from .report import Report
 from .rolling_bodies import OMEGA, RollingCase
 
@@ -122,21 +122,21 @@ def compare_matrices(report: Report, case: RollingCase) -> None:
     G, W, load = model.matrices()
     minus = body.matrix_to_ours(body.model.stiffness()) - body.matrix_to_ours(W)
     pairs: dict[str, tuple[Any, Any]] = {
-        "K - W": (bodies.petsc_to_scipy(problem._equilibrium.tangent.assemble()), minus),
+        "K - W": (differences.petsc_to_scipy(problem._equilibrium.tangent.assemble()), minus),
         "W": (_matrix(ufl.derivative(inertia, body.u, du)), body.matrix_to_ours(W)),
         "G": (_matrix(flow.gyroscopic(body.u, du, v)), body.matrix_to_ours(G)),
         "M": (_matrix(flow.mass(body.u, du, v)), body.matrix_to_ours(body.model.mass())),
         "load": (fem.assemble_vector(ffcx_form(inertia)).array, body.to_ours(load)),
     }
     for what, (a, b) in pairs.items():
-        difference, note = bodies.largest_difference(body, a, b)
+        difference, note = differences.largest_difference(body, a, b)
         _add(report, case, "matrices", what, difference, (MATRIX_TOLERANCE, MATRIX_REASON), note)
 
 
 def _matrix(form: ufl.Form) -> Any:
     matrix = petsc.assemble_matrix(ffcx_form(form))
     matrix.assemble()
-    return bodies.petsc_to_scipy(matrix)
+    return differences.petsc_to_scipy(matrix)
 
 
 def compare_frequencies(report: Report, case: RollingCase) -> None:

@@ -17,7 +17,7 @@ from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.foundation import Foundation
 from dolfinx_impact.statics.static_problem import StaticProblem
-from . import bodies
+from . import differences, matched_body
 from .nodes import TheirRule
 from .report import Report
 
@@ -41,7 +41,7 @@ def run(report: Report, progress: bool = True) -> None:
 
 def _compare(
     report: Report,
-    body: bodies.Body,
+    body: matched_body.Body,
     form: str,
     name: str,
     ours: FloatArray,
@@ -51,7 +51,7 @@ def _compare(
     element = (body.cell, body.degree, body.geometry_degree, body.hypothesis)
     u, r = body.to_ours(theirs.u), body.to_ours(theirs.reactions)
     for what, a, b in (("u", ours, u), ("reactions", reactions, r)):
-        difference, note = bodies.largest_difference(body, a, b)
+        difference, note = differences.largest_difference(body, a, b)
         report.add("solution", form, *element, difference, TOLERANCE, REASON, f"{what} of the {name}", note)
 
 
@@ -72,7 +72,7 @@ def wheel(report: Report, pressure: float = 5e8, half_width: float = 4.5e-3) -> 
     made = recipes.make("wheel_on_rail_2d", comm=MPI.COMM_SELF, gap=1e-4)
     domain, tags = made.mesh, made.tags
     steel = materials.LinearElastic(207e9, 0.3, 7800.0, "plane_strain")
-    body = bodies.Body(domain, 1, steel)
+    body = matched_body.Body(domain, 1, steel)
     V = body.V
     u = fem.Function(V, name="u")
     bcs = [
@@ -131,7 +131,7 @@ def _block(report: Report, cell: str, hypothesis: str, degree: int) -> None:
     steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
     used = quadrature.stiffness_degree(cell, degree, 1, hypothesis)
     exact = cell in quadrature.SIMPLICES
-    body = bodies.Body(domain, degree, steel)
+    body = matched_body.Body(domain, degree, steel)
     tags = _tags(domain, dim - 1)
     V = body.V
     u = fem.Function(V, name="u")
@@ -164,7 +164,7 @@ def _founded(report: Report, cell: str, degree: int) -> None:
     dim = domain.geometry.dim
     hypothesis = "plane_strain" if dim == 2 else "3d"
     steel = materials.LinearElastic(2.0, 0.3, 1.5, hypothesis)
-    body = bodies.Body(domain, degree, steel)
+    body = matched_body.Body(domain, degree, steel)
     model, tags = body.model, _tags(domain, dim - 1)
     along, t = 0.5 + 0.1 * np.arange(dim), np.arange(1.0, dim + 1) / 100
     foundation = Foundation(tags, 1, along)
@@ -174,17 +174,17 @@ def _founded(report: Report, cell: str, degree: int) -> None:
     load = model.traction(body.their_facets(tags, 2), t)
     if cell not in quadrature.SIMPLICES:
         model.rule = f"gauss_jacobi:{quadrature.stiffness_degree(cell, degree, 1, hypothesis)}"
-    model.facet_rule = bodies.foundation_rule(body)
+    model.facet_rule = matched_body.foundation_rule(body)
     model.add_foundation(body.their_facets(tags, 1), along)
     model.add_foundation(body.their_facets(tags, 2), 0.3)
     theirs = model.solve_static(np.zeros(0, dtype=np.int64), 0.0, load)
     element = (cell, degree, 1, hypothesis)
-    difference, note = bodies.largest_difference(body, u.x.array, body.to_ours(theirs.u))
+    difference, note = differences.largest_difference(body, u.x.array, body.to_ours(theirs.u))
     report.add("solution", "foundation", *element, difference, TOLERANCE, REASON, "u of the block on springs", note)
     force = -(model.foundation(body.their_facets(tags, 1), along) @ theirs.u).reshape(-1, dim).sum(axis=0)
     found = foundation.force(u)
     note = f"UFL {found.tolist()}, hand-written {force.tolist()}"
-    difference = bodies.relative(found, force)
+    difference = differences.relative(found, force)
     report.add("solution", "foundation", *element, difference, TOLERANCE, REASON, "force of the springs", note)
 
 
@@ -204,7 +204,7 @@ def rubber(report: Report) -> None:
     Args:
         report: report to add to.
     """
-    cases: tuple[tuple[str, int, str, type[bodies.Material]], ...] = (
+    cases: tuple[tuple[str, int, str, type[matched_body.Material]], ...] = (
         ("hexahedron", 1, "neo_hookean", materials.NeoHookean),
         ("tetrahedron", 2, "neo_hookean", materials.NeoHookean),
         ("hexahedron", 2, "st_venant_kirchhoff", materials.StVenantKirchhoff),
@@ -218,7 +218,7 @@ def rubber(report: Report) -> None:
         rule: TheirRule = f"gauss_jacobi:{used}"
         if cell in quadrature.SIMPLICES:
             rule = basix.make_quadrature(basix.CellType.tetrahedron, used)
-        body = bodies.Body(domain, degree, material, law, rule)
+        body = matched_body.Body(domain, degree, material, law, rule)
         tags = _tags(domain, 2)
         V = body.V
         u = fem.Function(V, name="u")

@@ -10,7 +10,7 @@ from dolfinx_impact import _cpp, materials
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import elasticity, inertia, quadrature
-from . import bodies
+from . import matched_body
 from .report import Report
 
 TOLERANCE = 1e-8
@@ -50,7 +50,7 @@ def _free_body(report: Report, cell: str, degree: int, hypothesis: str, num_elas
     mass_degree = quadrature.mass_degree(cell, degree, 1, hypothesis)
     used = quadrature.stiffness_degree(cell, degree, 1, hypothesis) if simplex else mass_degree
     rule = None if simplex else f"gauss_jacobi:{mass_degree}"
-    body = bodies.Body(domain, degree, steel, rule=rule)
+    body = matched_body.Body(domain, degree, steel, rule=rule)
     V = body.V
     u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
     law = steel.law(domain)

@@ -16,7 +16,7 @@ from dolfinx_impact.forms import registry
 from dolfinx_impact.forms.compiler import frontend
 from dolfinx_impact.forms.materials import HYPOTHESES
 from dolfinx_impact.own_forms.user_file import run_file
-from . import bodies, catalogue, element, nodes
+from . import catalogue, element, matched_body, nodes
 from .catalogue import Case
 from .element import Names
 from .nodes import TheirRule
@@ -443,7 +443,7 @@ def _assembled(
         def hypothesis_on(self, mesh: Mesh) -> str:
             return hypothesis
 
-    body = bodies.Body(domain, degree, _Material(), law, theirs)
+    body = matched_body.Body(domain, degree, _Material(), law, theirs)
     kernel, bs = compiled.kernels[0], body.gdim
     x, dofmap = domain.geometry.x, domain.geometry.dofmap
     size = body.model.num_dofs

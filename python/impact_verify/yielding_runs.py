@@ -10,7 +10,7 @@ from impact_reference import NewmarkScheme
 from dolfinx_impact import materials
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.dynamics.implicit.newmark_problem import NewmarkProblem
-from . import history, plastic_bodies
+from . import plastic_bodies, runs_in_time
 from .report import Report
 from .scenarios import our_adapter, their_adapter
 from .scenarios.scenario import ACCURACY, STEPS, Implicit
@@ -70,4 +70,4 @@ def compare(report: Report, *arguments: Any, steps: int = STEPS[Implicit]) -> No
     theirs = their_adapter.implicit_record(result, body.order)
     compared = ("displacement", "velocity", "acceleration")
     form, accuracy = f"implicit.{both.form}", ACCURACY[Implicit]
-    history.add_rows(report, form, both.element, name, compared, ours, theirs, accuracy, steps)
+    runs_in_time.add_rows(report, form, both.element, name, compared, ours, theirs, accuracy, steps)

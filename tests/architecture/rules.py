@@ -454,6 +454,20 @@ def _bases(path, cls, classes, root):
                 yield from _bases(*one, classes, root)
 
 
+def unnamed_classes(root):
+    """Classes with methods that no test names. Protocols have no code; records of values have no methods."""
+    root = pathlib.Path(root).resolve()
+    words = {word for path in sources(root / "tests", (".py",)) for word in re.findall(r"\w+", path.read_text())}
+    complaints = []
+    for folder in ("python", "forms", "meshes"):
+        for path in sources(root / folder, (".py",)):
+            for node in ast.parse(path.read_text(), str(path)).body:
+                if isinstance(node, ast.ClassDef) and not _is_protocol(node) and _methods(node):
+                    if node.name not in words:
+                        complaints.append(f"{path.relative_to(root)}:{node.lineno}: no test names {node.name}")
+    return complaints
+
+
 def repeated_docstrings(root):
     """Methods that say once more what the method of a base class or of a protocol says: a docstring that has its first
     sentence. An override says what is particular to it; where nothing is, it has no docstring, and help() and the site
@@ -481,6 +495,31 @@ def repeated_docstrings(root):
                     complaints.append(f"{where}: {cls.name}.{name} says what {base.name}.{name} says")
                     break
     return complaints
+
+
+_COMMENTED = re.compile(r"((?:^[ \t]*///.*\n)+)([^;{}]*[;{])", re.MULTILINE)
+
+
+def repeated_comments(root):
+    """The same for C++: overrides whose comment has the first sentence of that of a virtual function of this name."""
+    root = pathlib.Path(root).resolve()
+    virtual, overrides = {}, []
+    for path in sources(root / "cpp" / "dolfinx_impact", (".h",)):
+        text = path.read_text()
+        for match in _COMMENTED.finditer(text):
+            comment, declaration = " ".join(match[1].replace("///", " ").split()), match[2]
+            name = re.search(r"(\w+)\s*\(", declaration)
+            if name and re.search(r"\boverride\b", declaration):
+                overrides.append(
+                    (f"{path.relative_to(root)}:{text.count(chr(10), 0, match.start()) + 1}", name[1], comment)
+                )
+            elif name and re.search(r"\bvirtual\b", declaration) and (said := _FIRST_SENTENCE.match(comment)):
+                virtual.setdefault(name[1], []).append(said[1])
+    return [
+        f"{where}: the comment of {name} is that of the base"
+        for where, name, comment in overrides
+        if any(said in comment for said in virtual.get(name, ()))
+    ]
 
 
 LONGEST = 120  # characters of a line of a page; rows of tables are one line each, however long
@@ -563,3 +602,28 @@ def demos_without_assert(root):
         if not body or not isinstance(body[-1], ast.Assert) or isinstance(body[-1].test, ast.Constant):
             complaints.append(f"{path.relative_to(root)}: the last statement is no assert")
     return complaints
+
+
+def unused_bindings(root):
+    """Names of the compiled module, by its stub, that no Python file has: neither the packages nor a test calls them.
+    Classes are types of what is returned; members of Options and Limits are settings, which a user may change.
+    """
+    root = pathlib.Path(root)
+    stub = root / "python" / "dolfinx_impact" / "_cpp"
+    words = set()
+    for folder in ("python", "tests", "demos", "docs"):
+        for path in sources(root / folder, (".py",)):
+            words |= set(re.findall(r"\w+", path.read_text()))
+
+    def unused(body, owner):
+        for node in body:
+            if isinstance(node, ast.ClassDef):
+                if not node.name.endswith(("Options", "Limits")):
+                    yield from unused(node.body, f"{owner}.{node.name}")
+            elif isinstance(node, ast.FunctionDef) and not node.name.startswith("__") and node.name not in words:
+                yield f"{owner}.{node.name}"
+
+    found = set()
+    for path in sorted(stub.glob("*.pyi")):
+        found |= set(unused(ast.parse(path.read_text()).body, path.stem))
+    return sorted(found)

@@ -296,6 +296,27 @@ def test_folders_of_unit_tests_complain(tree, name, words):
     assert words in complaint
 
 
+def test_classes_that_no_test_names_complain(tree):
+    files = {
+        "python/dolfinx_impact/body.py": """
+class Body:
+    def force(self): ...
+class _Part:
+    def force(self): ...
+class Numbers:
+    count = 3
+class Asked(Protocol):
+    def force(self): ...
+""",
+        "forms/law.py": "class Law:\n    def __init__(self): ...\n",
+        "tests/unit/test_body.py": "from dolfinx_impact.body import Body\nLaws, Parts = 1, _Parted\n",
+    }
+    assert rules.unnamed_classes(tree(files)) == [
+        "python/dolfinx_impact/body.py:4: no test names _Part",
+        "forms/law.py:1: no test names Law",
+    ]
+
+
 GOOD_DOCSTRINGS = {
     "python/dolfinx_impact/body.py": '''
 class Body(Protocol):
@@ -334,7 +355,11 @@ class Elastic:  # meets Body
     def area(self):
         """Area of the surface. No base has it."""
 ''',
-    "python/impact_verify/body.py": 'class Other:\n    def residual(self):\n        """Internal minus external forces."""\n',
+    "python/impact_verify/body.py": '''
+class Other:  # of another package
+    def residual(self):
+        """Internal minus external forces."""
+''',
 }
 
 
@@ -369,6 +394,46 @@ def test_docstrings_complain(tree, name, text, complaint):
     assert found.startswith(f"{path}:") and found.endswith(f"says what {asked} says")
 
 
+GOOD_COMMENTS = {
+    "cpp/dolfinx_impact/solve/Body.h": """
+class Body
+{
+public:
+  /// Internal minus external forces. Collective.
+  /// @return vector of the body [F]
+  virtual Vec residual() = 0;
+
+  /// Number of cells.
+  int size() const { return 3; }
+};
+""",
+    "cpp/dolfinx_impact/solve/Own.h": """
+class Own : public Body
+{
+  Vec residual() override;
+  /// Of this rank.
+  int size() const;
+  /// Number of cells.
+  int count() override;
+};
+""",
+}
+
+
+def test_comments_pass_a_good_tree(tree):
+    assert rules.repeated_comments(tree(GOOD_COMMENTS)) == []
+
+
+@pytest.mark.parametrize(
+    "comment",
+    ["/// Internal minus external forces. Collective.", "/// With springs. Internal minus\n  /// external forces."],
+)
+def test_comments_complain(tree, comment):
+    text = f"class Other : public Body\n{{\n  {comment}\n  Vec residual() override\n  {{\n    return 0;\n  }}\n}};\n"
+    (complaint,) = rules.repeated_comments(tree({**GOOD_COMMENTS, "cpp/dolfinx_impact/solve/Other.h": text}))
+    assert complaint == "cpp/dolfinx_impact/solve/Other.h:3: the comment of residual is that of the base"
+
+
 def test_line_counts(tree):
     counts = rules.line_counts(tree({"a.py": "\n" * 401, "docs/b.md": "\n" * 900, "Makefile": "x\n"}))
     assert {str(p): n for p, n in counts.items()} == {"a.py": 401, "Makefile": 1}
@@ -396,6 +461,22 @@ def test_machine_paths_complain(tree, text):
 def test_machine_paths_pass_ordinary_text(tree):
     text = "$HOME/wo" + "rk/x\nbuild/ro" + "ot/y\n~/.cache/dolfinx_impact\nframework/root\n/usr/lib\n"
     assert rules.machine_paths(tree({"docs/a.md": text, "a.bin": "\0/ro" + "ot/"})) == []
+
+
+def test_bindings_that_nothing_calls_are_seen(tree):
+    stub = """class Solver:
+    def __init__(self) -> None: ...
+    def run(self) -> None: ...
+    @property
+    def seconds(self) -> float: ...
+class SolverOptions:
+    @property
+    def largest(self) -> int: ...
+def norm() -> float: ...
+"""
+    files = {"python/dolfinx_impact/_cpp/solve.pyi": stub, "python/dolfinx_impact/a.py": "solver.run(); x = norm()\n"}
+    assert rules.unused_bindings(tree(files)) == ["solve.Solver.seconds"]
+    assert rules.unused_bindings(tree({**files, "tests/test_a.py": "assert solver.seconds > 0\n"})) == []
 
 
 def test_what_a_run_left_at_the_top_is_seen(tree):

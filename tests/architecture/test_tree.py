@@ -93,8 +93,13 @@ def test_folders_of_unit_tests_are_those_of_the_code(checkout):
     assert rules.unit_folder_violations(checkout) == []
 
 
+def test_every_class_with_methods_is_named_by_a_test(checkout):
+    assert rules.unnamed_classes(checkout) == []
+
+
 def test_what_a_base_says_is_not_said_again(checkout):
     assert rules.repeated_docstrings(checkout) == []
+    assert rules.repeated_comments(checkout) == []
 
 
 def test_lines_of_pages_end_at_120_columns(checkout):
@@ -103,6 +108,10 @@ def test_lines_of_pages_end_at_120_columns(checkout):
 
 def test_pages_that_are_named_exist(checkout):
     assert rules.missing_pages(checkout) == []
+
+
+def test_what_is_bound_is_called(checkout):
+    assert rules.unused_bindings(checkout) == []
 
 
 def test_nothing_was_left_at_the_top(checkout):

@@ -50,10 +50,7 @@ struct Block
       return marked;
     };
   }
-  surface::Facets lower() const
-  {
-    return surface::make_surface(*V, mesh::locate_entities_boundary(*mesh, 1, at(0.0)));
-  }
+  surface::Facets lower() const { return surface::make_surface(*V, mesh::locate_entities_boundary(*mesh, 1, at(0.0))); }
   /// The same velocity everywhere.
   void move(double vx, double vy)
   {
@@ -141,6 +138,33 @@ struct Run
     return b.norm();
   }
 
+  /// Saved between two steps of one call: the steps that are left are those that this call had chosen.
+  double within_a_call() const
+  {
+    Block b(cells);
+    b.move(0.02, -0.2);
+    auto contact = std::make_shared<enforcement::NodePenalty>(*b.V, b.lower(), b.floor,
+                                                              enforcement::NodePenaltyOptions{{.friction = 0.3}});
+    problems::ExplicitProblem problem(b.u, b.v, problems::explicit_body(b.u, {{b.steel, 1.0}}), {}, {},
+                                      {{contact, "floor"}});
+    const std::string path = folder + "/within.h5";
+    if (read)
+    {
+      problems::restore(path, problem, identity);
+      problem.advance(2.0);
+      return b.norm();
+    }
+    bool saved = false;
+    problem.advance(2.0, {},
+                    [&](double t, const state::State&)
+                    {
+                      if (!saved && t > 1.1)
+                        problems::save(path, problem, identity);
+                      saved = t > 1.1;
+                    });
+    return b.norm();
+  }
+
   double in_implicit() const
   {
     Block b(cells);
@@ -182,8 +206,11 @@ int main(int argc, char* argv[])
   PetscInitialize(&argc, &argv, nullptr, nullptr);
   spdlog::set_level(spdlog::level::warn);
   const std::string mode = argv[1];
-  for (const auto& [name, work] : std::initializer_list<std::pair<const char*, double (Run::*)() const>>{
-           {"static", &Run::in_statics}, {"explicit", &Run::in_explicit}, {"implicit", &Run::in_implicit}})
+  for (const auto& [name, work] :
+       std::initializer_list<std::pair<const char*, double (Run::*)() const>>{{"static", &Run::in_statics},
+                                                                              {"explicit", &Run::in_explicit},
+                                                                              {"within", &Run::within_a_call},
+                                                                              {"implicit", &Run::in_implicit}})
   {
     Run run{mode != "write", argv[2]};
     if (mode != "other")

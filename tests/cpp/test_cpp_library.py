@@ -173,7 +173,7 @@ def test_problems_go_on_from_their_files_on_other_ranks(checks, tmp_path):
     """To 1e-8 of the norm of the displacements: sums of other ranks differ in their last digits, Newton's method stops
     at 1e-10. A file of another mesh or identity is refused, and one with a byte that differs."""
     ends = dict(told(checks, 2, "write", tmp_path))
-    assert sorted(ends) == ["explicit", "implicit", "static"]
+    assert sorted(ends) == ["explicit", "implicit", "static", "within"]
     for ranks in (1, 3):
         for name, text in told(checks, ranks, "read", tmp_path):
             assert abs(float(text) / float(ends[name]) - 1.0) < 1e-8, (name, text, ends[name])
@@ -183,7 +183,7 @@ def test_problems_go_on_from_their_files_on_other_ranks(checks, tmp_path):
             name,
             text,
         )
-    assert len(others) == 6 and sum("steel" in text for _, text in others) == 3
+    assert len(others) == 8 and sum("steel" in text for _, text in others) == 4
     for name in ends:
         data = bytearray((tmp_path / f"{name}.h5").read_bytes())
         data[len(data) // 2] ^= 1

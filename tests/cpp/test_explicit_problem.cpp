@@ -20,6 +20,7 @@
 #include <dolfinx_impact/surface/Surface.h>
 #include <numeric>
 #include <stdexcept>
+#include <tuple>
 
 using namespace dolfinx;
 using namespace dolfinx_impact;
@@ -270,6 +271,28 @@ TEST_CASE("a law with internal variables flows; materials have their cells; adde
   CHECK(problems::ExplicitProblem(two.u, nullptr, heavy).stable_step() == Approx(2.0 * limit));
 }
 
+TEST_CASE("quadratic cells are lumped by their kind: positive masses with the right sum")
+{
+  // Of the mass of a cell a corner has 3/57 by Hinton, Rock and Zienkiewicz (1976) in a triangle, and 1/36 by the
+  // weights of the nodes in a quadrilateral.
+  for (const auto& [kind, cell, cells, share] :
+       {std::tuple(mesh::CellType::triangle, basix::cell::type::triangle, 2, 3.0 / 57.0),
+        std::tuple(mesh::CellType::quadrilateral, basix::cell::type::quadrilateral, 1, 1.0 / 36.0)})
+  {
+    const auto mesh = std::make_shared<mesh::Mesh<double>>(
+        mesh::create_rectangle<double>(MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, 1.0}}}, {1, 1}, kind));
+    const auto element =
+        basix::create_element<double>(basix::element::family::P, cell, 2, basix::element::lagrange_variant::gll_warped,
+                                      basix::element::dpc_variant::unset, false);
+    const auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    const auto u = std::make_shared<fem::Function<double>>(V);
+    const problems::KernelMaterial law{"linear_elastic", {{"E", {1.0}}, {"nu", {0.3}}}, "plane_strain"};
+    const std::vector<double> mass = problems::explicit_body(u, {{law, 1.0}}).mass;
+    CHECK(std::accumulate(mass.begin(), mass.end(), 0.0) == Approx(2.0)); // once a direction
+    CHECK(std::ranges::min(mass) == Approx(share / cells));
+  }
+}
+
 TEST_CASE("bodies that overlap their obstacle at the start are refused; others are pushed back")
 {
   const gap::Rigid deep{.kind = gap::Rigid::Kind::plane, .gdim = 2, .point = {0.0, 0.2, 0.0}, .direction = {0, 1, 0}};
@@ -398,8 +421,7 @@ TEST_CASE("springs of a given penalty lower the stable step, which nobody has to
   auto top = std::make_shared<fem::DirichletBC<double>>(
       still, fem::locate_dofs_geometrical(*plate.V, explicit_test::at(1, h)));
   problems::ExplicitProblem held = plate.problem({{plate.springs({{}, penalty}), "floor"}}, {}, {{top}});
-  CHECK(held.stable_step(StableStepMethod::eigenvalue) ==
-        Approx(2.0 / std::sqrt((k + penalty) / mass)).epsilon(1e-8));
+  CHECK(held.stable_step(StableStepMethod::eigenvalue) == Approx(2.0 / std::sqrt((k + penalty) / mass)).epsilon(1e-8));
 }
 
 TEST_CASE("springs without a given penalty have half the stiffness of a layer, or follow the step")
@@ -422,8 +444,8 @@ TEST_CASE("springs without a given penalty have half the stiffness of a layer, o
   CHECK(std::ranges::max(automatic->stiffness()) == Approx(0.19 / 0.81 * mass * square_frequency).epsilon(1e-9));
   CHECK(std::ranges::max(by_step->stiffness()) == Approx(0.5 * mass / (0.81 * step * step)).epsilon(1e-12));
   // On its narrow side cells are longer than wide, and the layer counts: E A/(2 wide).
-  const auto end = surface::make_surface(
-      *plate.V, mesh::locate_entities_boundary(*plate.V->mesh(), 1, explicit_test::at(0, 0.0)));
+  const auto end =
+      surface::make_surface(*plate.V, mesh::locate_entities_boundary(*plate.V->mesh(), 1, explicit_test::at(0, 0.0)));
   const gap::Rigid wall{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {1, 0, 0}};
   const auto narrow = std::make_shared<enforcement::NodePenalty>(*plate.V, end, wall);
   for (std::size_t i = 0; i < plate.u->x()->array().size(); i += 2)
@@ -451,8 +473,7 @@ TEST_CASE("an explicit run goes on from an equilibrium of multipliers at rest")
   for (const std::int32_t node : fem::locate_dofs_geometrical(*plate.V, explicit_test::at(0, 2 * Plate::wide)))
     sideways.push_back(2 * node);
   const auto Vx = std::make_shared<fem::FunctionSpace<double>>(plate.V->sub({0}));
-  auto held = std::make_shared<fem::DirichletBC<double>>(
-      std::make_shared<fem::Constant<double>>(0.0), sideways, Vx);
+  auto held = std::make_shared<fem::DirichletBC<double>>(std::make_shared<fem::Constant<double>>(0.0), sideways, Vx);
   const problems::BoundaryConditions bcs{held};
   auto contact = std::make_shared<enforcement::MortarContact>(
       plate.V, plate.side(0.0), std::make_shared<const gap::Rigid>(plate.floor), enforcement::MortarOptions{},

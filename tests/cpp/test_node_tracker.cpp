@@ -88,6 +88,37 @@ struct Model
 };
 } // namespace
 
+TEST_CASE("facets move with their displacement, whatever the degrees of geometry and field")
+{
+  // The arc y = x (2 - x) / 4 from (0, 0) to (2, 0), or its chord; nodes of an interval: both ends, then the middle.
+  const std::vector<double> arc{0.0, 0.0, 2.0, 0.0, 1.0, 0.25};
+  for (int geometry : {1, 2})
+    for (int field : {1, 2})
+    {
+      Facets facets;
+      facets.gdim = 2;
+      facets.geometry = FacetElement{FacetShape::interval, geometry};
+      facets.displacement = FacetElement{FacetShape::interval, field};
+      facets.X.assign(arc.begin(), arc.begin() + 2 * (geometry + 1));
+      facets.x = facets.X;
+      facets.nodes = field == 1 ? std::vector<std::int32_t>{1, 0} : std::vector<std::int32_t>{1, 0, 2};
+      facets.orientation = {1};
+      facets.id = {0};
+      const std::vector<double> u{0.5, 0.125, -0.25, 1.0, 3.0, -2.0}; // of the nodes 0, 1, 2
+      TrackedSurface surface;
+      surface.reset(facets);
+      std::vector<double> x(facets.X.size());
+      surface.positions(0, {u.data()}, x.data());
+      for (int c = 0; c < 2; ++c)
+      {
+        CHECK(x[c] == Approx(arc[c] + u[2 + c]));
+        CHECK(x[2 + c] == Approx(arc[2 + c] + u[c]));
+        if (geometry == 2)
+          CHECK(x[4 + c] == Approx(arc[4 + c] + (field == 2 ? u[4 + c] : (u[c] + u[2 + c]) / 2)));
+      }
+    }
+}
+
 TEST_CASE("relative motion bounds changes of distances, whatever the common translation")
 {
   Model m;

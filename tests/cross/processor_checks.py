@@ -8,7 +8,7 @@ import sys
 
 import numpy as np
 
-from impact_verify import history
+from impact_verify import runs_in_time
 from impact_verify.report import Report
 from impact_verify.scenarios import explicit_runs, our_adapter
 
@@ -32,7 +32,7 @@ def results(cells):
         dt = our_adapter.time_step(case, problem)
         record = our_adapter.record_of(problem, dt, STEPS)
         our_adapter.run = lambda *_: record
-        history.compare(report, case, STEPS)
+        runs_in_time.compare(report, case, STEPS)
         # By place: which node has which number is no result.
         order = np.lexsort(case.body.V.tabulate_dof_coordinates().round(6).T)
         key = f"{case.body.cell} {case.body.degree}, {case.name}"

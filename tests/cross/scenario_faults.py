@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 
-from impact_verify import history
+from impact_verify import runs_in_time
 from impact_verify.report import Report
 from impact_verify.scenarios import our_adapter
 
@@ -20,7 +20,7 @@ def failed(case, steps, **changes):
     report = Report()
     try:
         our_adapter.run = lambda _, steps: ours(mine, steps)
-        history.compare(report, case, steps)
+        runs_in_time.compare(report, case, steps)
     finally:
         our_adapter.run = ours
     return {row.name.split(" of the ")[0] for row in report.rows if not row.passed}

@@ -9,7 +9,7 @@ import pytest
 from dolfinx import fem
 
 import dolfinx_impact as di
-from impact_verify.bodies import Body
+from impact_verify.matched_body import Body
 
 
 STEPS = 80

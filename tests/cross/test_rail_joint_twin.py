@@ -9,7 +9,7 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from impact_studies.rail_joint import JointModel, Passage, RailJoint
-from impact_verify.bodies import Body, foundation_rule
+from impact_verify.matched_body import Body, foundation_rule
 
 STEPS = 100
 # Round-off of 100 steps over the largest value, which contact carries on; the limit of the level history of `verify`.

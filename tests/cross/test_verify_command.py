@@ -7,7 +7,7 @@ import pytest
 
 from dolfinx_impact import cli, verify
 from dolfinx_impact.forms import inertia
-from impact_verify import catalogue, run
+from impact_verify import catalogue, verify_command
 
 FEW = ["--levels", "element", "--cells", "triangle", "--degree", "1", "--forms", "mass", "--count", "5"]
 GOOD = """
@@ -33,7 +33,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_status_0_page_picture_and_json(folder, capsys):
-    assert run.main([*FEW, "--json", "out.json", "--output", "page"]) == 0
+    assert verify_command.main([*FEW, "--json", "out.json", "--output", "page"]) == 0
     data = json.loads((folder / "out.json").read_text())
     assert data["rows"] and all(r["passed"] for r in data["rows"])
     assert {(r["level"], r["form"], r["cell"], r["degree"]) for r in data["rows"]} == {
@@ -48,7 +48,7 @@ def test_status_0_page_picture_and_json(folder, capsys):
 def test_status_1_and_the_rows_that_failed(folder, capsys, monkeypatch):
     right = inertia.mass
     monkeypatch.setattr(inertia, "mass", lambda *a: 1.001 * right(*a))
-    assert run.main([*FEW, "--json", "out.json", "--output", "page"]) == 1
+    assert verify_command.main([*FEW, "--json", "out.json", "--output", "page"]) == 1
     data = json.loads((folder / "out.json").read_text())
     assert data["passed"] is False and not all(r["passed"] for r in data["rows"])
     page = (folder / "page" / "index.html").read_text()
@@ -67,21 +67,21 @@ def test_status_1_and_the_rows_that_failed(folder, capsys, monkeypatch):
     ],
 )
 def test_status_2_and_what_is_wrong(arguments, message, folder, capsys):
-    assert run.main(arguments) == 2
+    assert verify_command.main(arguments) == 2
     assert message in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arguments", [["--degree", "one"], ["--nonsense"], ["--cells"]])
 def test_options_that_do_not_parse(arguments, capsys):
     with pytest.raises(SystemExit) as stop:
-        run.main(arguments)
+        verify_command.main(arguments)
     assert stop.value.code == 2 and "usage: dolfinx-impact verify" in capsys.readouterr().err
 
 
 def test_nothing_compared_is_no_success(folder, capsys):
     """Simplices have no nodal mass: the request is fine, but there is nothing to compare."""
     nothing = ["--levels", "element", "--cells", "triangle", "--forms", "nodal_mass", "--output", "page"]
-    assert run.main(nothing) == 1
+    assert verify_command.main(nothing) == 1
     assert "0 rows, nothing was compared" in capsys.readouterr().out
     assert "every row passed" not in (folder / "page" / "index.html").read_text()
 

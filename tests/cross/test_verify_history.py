@@ -12,7 +12,7 @@ import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.dynamics import explicit_bodies
-from impact_verify import cross_check, history, yielding_runs
+from impact_verify import cross_check, runs_in_time, yielding_runs
 from impact_verify.contact_bodies import SLAVE
 from impact_verify.report import Report
 from impact_verify.scenarios import explicit_runs
@@ -36,10 +36,10 @@ def case_of(cell, name):
 )
 def test_rows_of_a_cell_pass(steps, monkeypatch):
     """Bars, a disc that comes to roll, rigid masters, bodies without contact; both kinds of contact."""
-    monkeypatch.setattr(history, "run_implicit", lambda report: None)  # test_verify_implicit.py
+    monkeypatch.setattr(runs_in_time, "run_implicit", lambda report: None)  # test_verify_implicit.py
     monkeypatch.setattr(yielding_runs, "run", lambda report: None)
-    right = history.compare
-    monkeypatch.setattr(history, "compare", lambda r, case: right(r, case, min(case.num_steps, steps)))
+    right = runs_in_time.compare
+    monkeypatch.setattr(runs_in_time, "compare", lambda r, case: right(r, case, min(case.num_steps, steps)))
     report = cross_check(cells=["quadrilateral"], degrees=[1], levels=["history"])
     assert report.passed and len(report.rows) > 100
     kinds = {row.form for row in report.rows}
@@ -62,7 +62,7 @@ def test_rows_of_a_cell_pass(steps, monkeypatch):
 def test_rows_in_space_pass(steps, cell):
     report = Report()
     for case in cases(cell, 1):
-        history.compare(report, case, steps)
+        runs_in_time.compare(report, case, steps)
     assert report.passed and len(report.rows) > 10
 
 
@@ -70,7 +70,7 @@ def compare_varied_runs(runs, seeds=None):
     report = Report()
     for cell, degree, make in runs:
         for case in explicit_runs.varied_runs(cell, degree, make, seeds):
-            history.compare(report, case)
+            runs_in_time.compare(report, case)
     return report
 
 

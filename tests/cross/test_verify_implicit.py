@@ -17,7 +17,7 @@ from dolfinx_impact.assembly.consistent_mass import ConsistentMass
 from dolfinx_impact.dynamics.implicit import newmark_problem as implicit_problem
 from dolfinx_impact.dynamics.implicit.damping import DampingForce
 from dolfinx_impact.dynamics.implicit.mass_redistribution import MassRedistribution
-from impact_verify import cross_check, history, yielding_runs
+from impact_verify import cross_check, runs_in_time, yielding_runs
 from impact_verify.report import Report
 from impact_verify.scenarios import implicit_runs as implicit
 from impact_verify.scenarios import our_adapter
@@ -38,7 +38,7 @@ def case_of(name):
 
 def report_of(case, steps=STEPS):
     report = Report()
-    history.compare(report, case, steps)
+    runs_in_time.compare(report, case, steps)
     return report
 
 
@@ -62,18 +62,18 @@ def test_rows_pass(make):
 @pytest.mark.slow
 def test_rows_of_other_cells_pass():
     report = Report()
-    history.compare(report, next(iter(implicit.without_contact("tetrahedron", 2))), 30)
+    runs_in_time.compare(report, next(iter(implicit.without_contact("tetrahedron", 2))), 30)
     for case in implicit.blocks("hexahedron", 1):
-        history.compare(report, case, 8)
+        runs_in_time.compare(report, case, 8)
     for case in implicit.varied_runs("triangle", 1, implicit.bars, (7,)):  # a variation that the level has not
-        history.compare(report, case, 100)
+        runs_in_time.compare(report, case, 100)
     assert report.passed and len(report.rows) > 25
 
 
 @pytest.mark.slow
 def test_all_rows_pass():
     report = Report()
-    history.run_implicit(report)
+    runs_in_time.run_implicit(report)
     yielding_runs.run(report)
     assert report.passed and len(report.rows) > 250
 
@@ -81,9 +81,9 @@ def test_all_rows_pass():
 def test_runs_belong_to_the_level(monkeypatch):
     """`cross_check` runs them with the level history."""
     called = []
-    monkeypatch.setattr(history, "run", lambda *a: None)
+    monkeypatch.setattr(runs_in_time, "run", lambda *a: None)
     monkeypatch.setattr("impact_verify.plastic_bodies.history_rows", lambda *a: None)
-    monkeypatch.setattr(history, "run_implicit", called.append)
+    monkeypatch.setattr(runs_in_time, "run_implicit", called.append)
     monkeypatch.setattr(yielding_runs, "run", called.append)
     report = cross_check(levels=["history"])
     assert len(called) == 2 and called[0] is called[1] is report
@@ -245,5 +245,5 @@ def test_another_number_of_steps_is_seen(monkeypatch):
     """A step that our side cuts in half does not go unnoticed."""
     ours, report = our_adapter.run, Report()
     monkeypatch.setattr(our_adapter, "run", lambda case, steps: ours(case, steps + 1))
-    history.compare(report, case_of("shaken block"), 5)
+    runs_in_time.compare(report, case_of("shaken block"), 5)
     assert not any(row.passed for row in report.rows) and "steps" in report.rows[0].note

@@ -10,7 +10,7 @@ from fault_injection import assert_caught, assert_healthy, one_entry, scaled
 
 from dolfinx_impact.assembly import lumped_mass
 from dolfinx_impact.forms import elasticity, foundation, loads, materials
-from impact_verify import bodies, operator
+from impact_verify import matched_body, operator
 from impact_verify.report import Report
 
 
@@ -118,7 +118,7 @@ def test_one_entry_of_the_hand_written_stiffness(monkeypatch):
 def test_one_entry_of_the_hand_written_force_is_placed(monkeypatch):
     _method(monkeypatch, "internal_force", lambda f: one_entry(f, 11, 1 - 1e-6))
     found = assert_caught(linear(), "operator", "linear_elastic.force")
-    body = bodies.Body(
+    body = matched_body.Body(
         distorted_block.block("triangle", 2), 1, operator.LAWS["linear_elastic"](1.0, 0.3, 1.0, "plane_strain")
     )
     place = np.round(body.model.field_points[5], 4).tolist()  # dof 11: node 5, component 1
@@ -181,8 +181,8 @@ def test_a_broken_lame_constant_shows_in_stiffness_force_and_energy(monkeypatch,
 
 
 def test_a_broken_node_map_is_caught(monkeypatch):
-    right = bodies.match_nodes
-    monkeypatch.setattr(bodies, "match_nodes", lambda *a: right(*a)[[1, 0, *range(2, 9)]])
+    right = matched_body.match_nodes
+    monkeypatch.setattr(matched_body, "match_nodes", lambda *a: right(*a)[[1, 0, *range(2, 9)]])
     report = linear()
     assert not report.passed
     assert {"linear_elastic.tangent", "linear_elastic.force", "mass", "lumped_mass"} <= {
@@ -201,4 +201,4 @@ def test_nodes_that_do_not_match_are_an_error(fault):
     else:
         y = y[:-1]
     with pytest.raises(RuntimeError, match="do not match"):
-        bodies.match_nodes(x, y, 1.0)
+        matched_body.match_nodes(x, y, 1.0)

@@ -15,8 +15,6 @@ from ufl.algorithms.map_integrands import map_integrand_dags
 import dolfinx_impact as di
 from dolfinx_impact.assembly import operators
 from impact_verify import OwnForm
-from impact_verify.reasons.explain import FITS
-from impact_verify.reasons.laws import RIGHT, Candidate
 from impact_verify.reasons.sample import Sample, derivative, sample
 from impact_verify.scenarios.record import Record, largest
 from impact_verify.scenarios.scenario import ACCURACY, STEPS, USUAL_FRACTION, Accuracy, Explicit, Implicit, Scenario
@@ -211,11 +209,6 @@ def test_a_complex_step_has_no_cancellation(rng):
     H, dH = rng.random((2, 1, 3, 3))
     found = derivative(lambda A: A @ A @ A, H, dH)
     assert found == pytest.approx(dH @ H @ H + H @ dH @ H + H @ H @ dH, rel=1e-15)
-
-
-def test_candidates_are_named():
-    parts = RIGHT["linear_elastic"]
-    assert Candidate(parts, "why") == Candidate(parts, "why") != Candidate(parts, "another") and 0 < FITS < 1e-6
 
 
 # --- scenarios -------------------------------------------------------------------------------------------------------

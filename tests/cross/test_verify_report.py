@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dolfinx_impact.own_forms import distorted_block
-from impact_verify import bodies, html
+from impact_verify import differences, html, matched_body
 from impact_verify.report import Report, Row
 
 ELEMENT = ("hexahedron", 1, 1, "3d")
@@ -121,16 +121,18 @@ def test_an_empty_page_does_not_claim_success(tmp_path):
 def test_a_nan_in_a_vector_or_matrix_is_found_and_placed():
     from dolfinx_impact import materials
 
-    body = bodies.Body(distorted_block.block("triangle", 2), 1, materials.LinearElastic(1.0, 0.3, 1.0, "plane_strain"))
+    body = matched_body.Body(
+        distorted_block.block("triangle", 2), 1, materials.LinearElastic(1.0, 0.3, 1.0, "plane_strain")
+    )
     K = body.matrix_to_ours(body.model.stiffness())
     ours = K.copy()
     ours.data = ours.data.copy()
     ours.data[7] = np.nan
-    difference, note = bodies.largest_difference(body, ours, K)
+    difference, note = differences.largest_difference(body, ours, K)
     assert np.isnan(difference) and "UFL nan" in note and "against" in note
     b = np.arange(1.0, body.model.num_dofs + 1)
     a = b.copy()
     a[5] = np.nan
-    difference, note = bodies.largest_difference(body, a, b)
+    difference, note = differences.largest_difference(body, a, b)
     place = np.round(body.V.tabulate_dof_coordinates()[2, :2], 4).tolist()
     assert np.isnan(difference) and note.startswith(f"node at {place} component 1: UFL nan")

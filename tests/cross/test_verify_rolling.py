@@ -13,7 +13,7 @@ from dolfinx_impact.forms import ale
 from dolfinx_impact.rolling.rolling_contact import RollingContact
 from dolfinx_impact.rolling.flow import Flow
 from dolfinx_impact.rolling.motions import Translation
-from impact_verify import cross_check, rolling, run
+from impact_verify import cross_check, levels, rolling
 from impact_verify.report import Report
 from impact_verify.rolling_bodies import RollingCase
 
@@ -114,7 +114,7 @@ def test_all_rows_pass():
 def test_level_belongs_to_verify(monkeypatch):
     called = []
     monkeypatch.setattr(rolling, "run", lambda report, progress: called.append(report))
-    assert "rolling" in run.LEVELS and cross_check(levels=["rolling"]) is called[0]
+    assert "rolling" in levels.LEVELS and cross_check(levels=["rolling"]) is called[0]
 
 
 # --- faults: each is seen, and without it the same rows pass above ---------------------------------------------------

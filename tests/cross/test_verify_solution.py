@@ -11,7 +11,7 @@ from fault_injection import assert_caught, assert_healthy, scaled
 import dolfinx_impact as di
 from dolfinx_impact.statics import static_problem
 from dolfinx_impact.forms import elasticity, materials, quadrature
-from impact_verify import bodies, solution, spectrum
+from impact_verify import matched_body, solution, spectrum
 from impact_verify.report import Report
 
 FORM = "linear_elastic.tangent"
@@ -167,7 +167,7 @@ def test_hand_written_frequencies_of_free_bodies_against_a_dense_solver(cell, n)
     from dolfinx_impact import LinearElastic
 
     hypothesis, rigid = ("3d", 6) if cell == "hexahedron" else ("plane_strain", 3)
-    body = bodies.Body(distorted_block.block(cell, n), 1, LinearElastic(2.0, 0.3, 1.5, hypothesis))
+    body = matched_body.Body(distorted_block.block(cell, n), 1, LinearElastic(2.0, 0.3, 1.5, hypothesis))
     K, M = body.model.stiffness().toarray(), body.model.mass().toarray()
     for count in (rigid + 1, rigid + 3, rigid + 4):
         exact = np.sqrt(np.maximum(scipy.linalg.eigvalsh(K, M), 0))[rigid:count]

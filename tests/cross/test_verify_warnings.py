@@ -14,7 +14,7 @@ import dolfinx_impact as di
 from dolfinx_impact.assembly.large_rotation import LargeRotation
 from dolfinx_impact.assembly.locking import Locking, warn_of_locking
 from dolfinx_impact.contact.static_view import INITIAL_PENETRATION
-from impact_verify import run, solution
+from impact_verify import cross_check, html, plastic_bodies, solution, verify_command
 from impact_verify.model_warnings import model_warnings_off
 
 OTHER = "something else"
@@ -55,10 +55,10 @@ def test_a_user_is_told(caplog):
 def test_rows_of_the_command_are_not_told_of_their_models(command, monkeypatch, caplog, tmp_path):
     """And afterwards the user is again, after an error, too."""
     monkeypatch.setattr(solution, "run", lambda report, progress: bad_models())
-    monkeypatch.setattr(run.plastic_bodies, "solution_rows", lambda report: None)
-    monkeypatch.setattr(run.html, "differences_plot", lambda report, folder: "none.png")
+    monkeypatch.setattr(plastic_bodies, "solution_rows", lambda report: None)
+    monkeypatch.setattr(html, "differences_plot", lambda report, folder: "none.png")
     levels = ["--levels", "solution", "--output", str(tmp_path)]
-    work = (lambda: run.main(levels)) if command else (lambda: run.cross_check(levels=["solution"]))
+    work = (lambda: verify_command.main(levels)) if command else (lambda: cross_check(levels=["solution"]))
     assert told(work, caplog) == ({UserWarning}, 0, [OTHER])
     with pytest.raises(ZeroDivisionError), model_warnings_off():
         raise ZeroDivisionError

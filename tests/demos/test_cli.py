@@ -96,7 +96,7 @@ def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     "command, module",
     (
-        ("verify", "impact_verify.run"),
+        ("verify", "impact_verify.verify_command"),
         ("compile", "dolfinx_impact.compile.compile_command"),
         ("bench", "impact_studies.bench.bench_command"),
     ),

@@ -7,6 +7,7 @@ import impact_reference as ir
 import numpy as np
 import pytest
 from impact_reference import explicit, newmark, streamlines
+from impact_reference.discretisation import Discretisation
 from plastic_laws import E, G, NU, Y0, law
 from reference_meshes import box, facets_where
 from rolling_bodies import Wheel
@@ -99,6 +100,27 @@ def test_a_static_solution_with_contact():
     assert found.contact_force.reshape(-1, 2)[:, 1].sum() == pytest.approx(
         found.points.weight @ found.pressure, rel=1e-12
     )
+
+
+def test_a_discretisation_of_a_square_without_time():
+    """Rigid modes have no force, uniform strain has its energy, and masses are those of the square."""
+    points, cells = box("quadrilateral", (3, 2), distort=0.2)
+    body = Discretisation(points, cells, "quadrilateral", ir.Material(2.0, 0.3, 1.5, "plane_strain"))
+    assert issubclass(ir.Model, Discretisation) and body.linear and not body.axisymmetric
+    assert np.abs([body.internal_force(mode) for mode in body.rigid_modes().T]).max() < 1e-13
+    stretch = np.column_stack([points[:, 0], 0 * points[:, 0]]).ravel()
+    modulus = 2.0 * 0.7 / (1.3 * 0.4)  # lambda + 2 mu
+    assert body.energy(stretch) == pytest.approx(modulus / 2, rel=1e-12)
+    assert stretch @ body.stiffness().dot(stretch) == pytest.approx(modulus, rel=1e-12)
+    assert body.mass(lumped=True).sum() == pytest.approx(2 * 1.5, rel=1e-13)
+    bottom = facets_where(points, cells, "quadrilateral", lambda x: x[1] == 0)
+    load = body.traction(bottom, [0.0, -4.0]).reshape(-1, 2).sum(axis=0)
+    assert load == pytest.approx([0.0, -4.0], abs=1e-13)
+    fixed = np.arange(body.num_dofs)
+    u, reactions = body.solve_static(fixed, stretch)
+    assert np.array_equal(u, stretch) and reactions == pytest.approx(body.internal_force(u), abs=1e-13)
+    with pytest.raises(ValueError, match="either one material or"):
+        Discretisation(points, cells, "quadrilateral")
 
 
 def test_answers_of_points_and_elements_that_yield():

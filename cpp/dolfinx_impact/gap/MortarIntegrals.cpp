@@ -120,12 +120,6 @@ std::vector<double> MortarIntegrals::summed(std::vector<double> values, int bloc
                       : operators::sum_over_ranks(_map, std::move(values), block);
 }
 
-void MortarIntegrals::update(std::span<const double> u, std::span<const double> start)
-{
-  update_cover(u, start);
-  integrate(covered());
-}
-
 void MortarIntegrals::update_cover(std::span<const double> u, std::span<const double> start)
 {
   _search->update(u, start);
@@ -304,15 +298,6 @@ std::vector<double> MortarIntegrals::weighted_jump(std::span<const double> moved
   for (std::size_t i = 0; i < _nodes.nodes.size(); ++i)
     for (int c = 0; c < gdim; ++c)
       out[i * gdim + c] = participates[i] ? weight[i] * moved[_nodes.nodes[i] * gdim + c] - out[i * gdim + c] : 0.0;
-  return out;
-}
-
-std::vector<double> MortarIntegrals::jump(std::span<const double> moved) const
-{
-  const int gdim = _search->slave().gdim;
-  std::vector<double> out = weighted_jump(moved);
-  for (std::size_t k = 0; k < out.size(); ++k)
-    out[k] = participates[k / gdim] ? out[k] / cover[k / gdim] : 0.0;
   return out;
 }
 

@@ -52,12 +52,10 @@ public:
   MortarIntegrals(std::shared_ptr<const surface::FunctionSpace> V, std::shared_ptr<search::PairSearch> search,
                   MultiplierNodes nodes, const SegmentRule& rule, Multipliers basis, bool axisymmetric);
 
-  /// Search, segments and integrals. Collective.
+  /// Search, segments, `around` and normals: what comes before `integrate`. Collective.
   /// @param[in] u, start displacements now and when the step began, owned and ghosts [L]
-  void update(std::span<const double> u, std::span<const double> start);
-  /// Search, segments, `around` and normals: the first half of `update`. Collective.
   void update_cover(std::span<const double> u, std::span<const double> start);
-  /// Integrals where these nodes carry the multipliers: the second half. Collective.
+  /// Integrals where these nodes carry the multipliers: after `update_cover`. Collective.
   /// @param[in] carriers mask of the n nodes
   void integrate(std::span<const std::int8_t> carriers);
   /// Nodes of which enough is covered, mask of the n nodes.
@@ -97,10 +95,9 @@ public:
   Mat M() const { return _mortar_matrix.matrix(); }
   /// D - M: weighted displacements of slave against master. Borrowed, valid until the next call. Collective.
   Mat jump_matrix();
-  /// Means over the cover of the displacement of slave against master, [i*gdim + c] [L]. Collective.
+  /// Integrals of the displacement of slave against master, [i*gdim + c] [L^2, L^3]; over the cover they are its means.
+  /// Collective.
   /// @param[in] moved increments, owned entries of V [L]
-  std::vector<double> jump(std::span<const double> moved) const;
-  /// The same before it is divided by the cover [L^2, L^3].
   std::vector<double> weighted_jump(std::span<const double> moved) const;
   /// M times nodal values of `block` components (owned), of the multiplier nodes. Collective.
   std::vector<double> over_master(std::span<const double> values, int block) const;

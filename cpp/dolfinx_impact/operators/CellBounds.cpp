@@ -45,15 +45,6 @@ bool CellBounds::joins_cells() const
   return std::ranges::any_of(_parts, [](const Part& part) { return type_of(part.integral) == "interior_facet"; });
 }
 
-bool CellBounds::reads(const std::string& coefficient) const
-{
-  for (const Part& part : _parts)
-    for (int i = 0; i < part.integral.kernel->num_coefficients; ++i)
-      if (part.integral.kernel->coefficients[i].name == coefficient)
-        return true;
-  return false;
-}
-
 std::vector<double> CellBounds::spectra(std::span<const double> masses, CellMask only, bool facets)
 {
   const auto& topology = *_space->mesh()->topology();

@@ -30,8 +30,6 @@ public:
   void set_constants(std::size_t i, std::span<const double> c);
   /// Are there integrals over facets between cells?
   bool joins_cells() const;
-  /// Has any kernel a coefficient of this name?
-  bool reads(const std::string& coefficient) const;
 
   /// Collective. The sums over the cells of bound times mass are bounds of the assembled matrix: of a facet between two
   /// cells, the eigenvalues over the masses of both count for each of them.

@@ -113,15 +113,4 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
   }
   return out;
 }
-
-std::vector<double> cell_frequencies(const Integral& stiffness, const FunctionSpace& V,
-                                     const std::map<std::string, std::shared_ptr<const Function>>& coefficients,
-                                     std::span<const double> masses)
-{
-  const std::vector<double> spectra = cell_spectra(stiffness, V, coefficients, masses);
-  std::vector<double> out(spectra.size() / 3);
-  for (std::size_t e = 0; e < out.size(); ++e)
-    out[e] = std::max(0.0, spectra[3 * e + 1]);
-  return out;
-}
 } // namespace dolfinx_impact::operators

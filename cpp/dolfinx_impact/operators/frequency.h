@@ -21,16 +21,4 @@ namespace dolfinx_impact::operators
 std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
                                  const std::map<std::string, std::shared_ptr<const Function>>& coefficients,
                                  std::span<const double> masses);
-
-/// Largest eigenvalue of M_e^-1 K_e of every cell, M_e the cell's part of a lumped mass. None of an assembled system is
-/// larger than the largest of its cells (Irons and Treharne 1971).
-/// @param[in] stiffness kernel of rank 2 with its cells and constants
-/// @param[in] V displacement space
-/// @param[in] coefficients by the kernel's names, ghosts up to date
-/// @param[in] masses lumped, by cell and local degree of freedom (cell_masses_hrz, cell_masses_nodal) [M]
-/// @returns squares of angular frequencies, in the order of the cells, not negative [1/T^2]
-/// @throws std::runtime_error if the kernel is not for this mesh or space, or a stiffness is not a number
-std::vector<double> cell_frequencies(const Integral& stiffness, const FunctionSpace& V,
-                                     const std::map<std::string, std::shared_ptr<const Function>>& coefficients,
-                                     std::span<const double> masses);
 } // namespace dolfinx_impact::operators

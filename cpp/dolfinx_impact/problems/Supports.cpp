@@ -68,13 +68,6 @@ Supports::Supports(const dolfinx::fem::Function<double>& u, std::vector<Prescrib
   }
 }
 
-void Supports::set(const double* amplitudes, std::span<double> u) const
-{
-  for (const Part& part : _parts)
-    for (std::size_t k = 0; k < part.dofs.size(); ++k)
-      u[part.dofs[k]] = part.values[k] * (part.column < 0 ? 1.0 : amplitudes[part.column]);
-}
-
 void Supports::check()
 {
   for (std::size_t i = 0; i < _parts.size(); ++i)

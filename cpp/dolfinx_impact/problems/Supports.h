@@ -42,10 +42,6 @@ public:
   const std::vector<Part>& parts() const { return _parts; }
   /// By degree of freedom, owned and ghosts: is it prescribed?
   const std::vector<std::int8_t>& mask() const { return _mask; }
-  /// Set prescribed degrees of freedom to their values.
-  /// @param[in] amplitudes a row of the table of the functions of time
-  /// @param[in,out] u owned entries [L]
-  void set(const double* amplitudes, std::span<double> u) const;
   /// @throws std::invalid_argument on this rank, without communication, if the value of a condition has been changed
   void check();
 

@@ -69,7 +69,8 @@ public:
   void settle();
 
   /// Creepages besides those of the motions: the body of the first Spin moves along its axis with `lateral` times the
-  /// speed of the surfaces [1], and turns about the contact's normal with `turn` times that speed [1/L].
+  /// speed of the surfaces [1], and turns with `turn` times that speed about the contact's normal that
+  /// points into it [1/L].
   double lateral = 0.0, turn = 0.0;
 
 private:

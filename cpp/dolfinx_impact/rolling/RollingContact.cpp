@@ -201,7 +201,7 @@ std::vector<double> RollingContact::creepage() const
     out[k] = _flow->lateral * fast * spin->spin()->axis[k % g];
   if (_flow->turn != 0.0)
   {
-    const std::vector<double> turning = turn_about_normal();
+    const std::vector<double> turning = turn_about_normal(*spin);
     for (std::size_t k = 0; k < out.size(); ++k)
       out[k] += _flow->turn * fast * turning[k];
   }
@@ -212,9 +212,9 @@ std::vector<double> RollingContact::creepage() const
   return out;
 }
 
-/// Velocities of a turn with unit rate about the contact's mean normal, through its centre of pressure; meshes in space
-/// [L]. Collective.
-std::vector<double> RollingContact::turn_about_normal() const
+/// Velocities of a turn with unit rate about the contact's mean normal into the body that spins, be it slave or master,
+/// through the centre of pressure; meshes in space [L]. Collective.
+std::vector<double> RollingContact::turn_about_normal(const Motion& spin) const
 {
   const auto& n = geometry().now();
   const enforcement::MortarState& s = nodal_state();
@@ -222,11 +222,13 @@ std::vector<double> RollingContact::turn_about_normal() const
   for (std::size_t i = 0; i < geometry().num_nodes(); ++i)
   {
     const double pressed = s.active[i] ? s.multiplier[i] * n.weight[i] : 0.0;
+    // The normal is outward from the master.
+    const double side = std::ranges::binary_search(spin.nodes, nodes()[i]) ? 1.0 : -1.0;
     total[0] += pressed;
     for (int c = 0; c < 3; ++c)
     {
       total[1 + c] += pressed * n.points[i * 3 + c];
-      total[4 + c] += pressed * n.normal[i * 3 + c];
+      total[4 + c] += side * pressed * n.normal[i * 3 + c];
     }
   }
   MPI_Allreduce(MPI_IN_PLACE, total.data(), 7, MPI_DOUBLE, MPI_SUM, geometry().comm());

@@ -111,7 +111,7 @@ private:
   std::vector<double> means(Mat matrix, std::span<const double> values) const;
   std::vector<std::int8_t> held_components() const;
   std::vector<double> creepage() const;
-  std::vector<double> turn_about_normal() const;
+  std::vector<double> turn_about_normal(const Motion& spin) const;
   double rate() const;
   void update_geometry(std::span<const double> u);
   void turn_to_normals();

@@ -90,11 +90,6 @@ std::vector<double> offset_components(const Facets& facets)
   return out;
 }
 
-void turned_positions(const Facets& facets, const double* components, const double* corners, double* x)
-{
-  facets.gdim == 2 ? turn<2>(facets, components, corners, x) : turn<3>(facets, components, corners, x);
-}
-
 void move_and_turn(Facets& facets, const std::vector<double>& components, const double* u)
 {
   if (!facets.smooth)

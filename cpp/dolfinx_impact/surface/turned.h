@@ -16,12 +16,6 @@ FacetFrame<gdim> frame_of(const Facets& facets, const double* corners);
 /// @returns [(facet*geometry.num_nodes() + i)*gdim + k], zero for corners; empty unless the facets are smooth
 std::vector<double> offset_components(const Facets& facets);
 
-/// Positions of the geometry nodes of a smooth facet.
-/// @param[in] components of its offsets
-/// @param[in] corners positions of its corners [L]
-/// @param[out] x x[i*gdim + c] [L]
-void turned_positions(const Facets& facets, const double* components, const double* corners, double* x);
-
 /// `move` for facets that may turn by any angle; the same as `move` unless the facets are smooth.
 /// @param[in,out] facets
 /// @param[in] components offset_components(facets)

@@ -103,21 +103,12 @@ class Segments:
     @property
     def master(self) -> NDArray[numpy.int32]: ...
     @property
-    def xi_slave(self) -> NDArray[numpy.float64]: ...
-    @property
-    def xi_master(self) -> NDArray[numpy.float64]: ...
-    @property
     def weight(self) -> NDArray[numpy.float64]: ...
     @property
     def covered(self) -> NDArray[numpy.float64]: ...
 
 class Shape:
     """Surface of a rigid obstacle of any form"""
-
-def add_normals(slave: dolfinx_impact._cpp.surface.Facets, normals: NDArray[numpy.float64]) -> None:
-    """
-    Add this rank's facet normals at nodes, turned round (a view is changed)
-    """
 
 def check_side(
     name: str, V: dolfinx.cpp.fem.FunctionSpace_float64, slave: dolfinx_impact._cpp.surface.Facets, obstacle: Rigid
@@ -152,13 +143,6 @@ def segment(
 ) -> Segments:
     """Segments of slave facets with the master facets within reach of them"""
 
-def sliding_tangent(
-    slave: dolfinx_impact._cpp.surface.Facets,
-    master: dolfinx_impact._cpp.surface.Facets,
-    segments: Segments,
-    mortar: Mortar,
-    z: NDArray[numpy.floating[Any]],
-) -> tuple[NDArray[numpy.int32], NDArray[numpy.int32], NDArray[numpy.float64]]: ...
 def through_master(
     comm: mpi4py.MPI.Comm,
     suspects: NDArray[numpy.integer[Any]],
@@ -181,9 +165,3 @@ def through_obstacle(
 def turning_tangent(
     slave: dolfinx_impact._cpp.surface.Facets, sums: NDArray[numpy.floating[Any]], force: NDArray[numpy.floating[Any]]
 ) -> tuple[NDArray[numpy.int32], NDArray[numpy.int32], NDArray[numpy.float64]]: ...
-def whole_facets(
-    slave: dolfinx_impact._cpp.surface.Facets,
-    points: NDArray[numpy.floating[Any]],
-    weights: NDArray[numpy.floating[Any]],
-    axisymmetric: bool = False,
-) -> Segments: ...

@@ -193,12 +193,6 @@ class MortarContact(dolfinx_impact._cpp.enforcement.MultiplierContact):
     @opening.setter
     def opening(self, arg: NDArray[numpy.floating[Any]], /) -> None: ...
     @property
-    def imposed(self) -> NDArray[numpy.float64]:
-        """Tractions along prescribed directions, (n, gdim) [F/L^2]"""
-
-    @imposed.setter
-    def imposed(self, arg: NDArray[numpy.floating[Any]], /) -> None: ...
-    @property
     def linearised_gap(self) -> NDArray[numpy.float64]:
         """Gaps of the linearised problem, (n) [L]"""
 
@@ -295,8 +289,6 @@ class MortarGeometry:
     def participates(self) -> NDArray[numpy.bool_]: ...
     @property
     def part(self) -> NDArray[numpy.bool_]: ...
-    @property
-    def carrier(self) -> NDArray[numpy.bool_]: ...
     @property
     def weight(self) -> NDArray[numpy.float64]:
         """Diagonal of D, (n) [L^2]"""
@@ -403,10 +395,6 @@ class SaddlePoint:
     @property
     def pinned(self) -> NDArray[numpy.bool_]:
         """Mask of the pinned unknowns, a copy"""
-
-    @property
-    def redundant(self) -> list[NDArray[numpy.int64]]:
-        """Numbers of the nodes whose normal condition was left out, by contact"""
 
     @property
     def right(self) -> petsc4py.PETSc.Mat:

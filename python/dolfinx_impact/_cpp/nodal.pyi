@@ -79,12 +79,6 @@ class NodalPair:
         Three components of the force on the slave in the last step, of this rank
         """
 
-    def saved_states(self) -> list[dolfinx_impact._cpp.state.State]:
-        """What the next step starts from, of each direction"""
-
-    def resume(self, saved: Sequence[dolfinx_impact._cpp.state.State]) -> None:
-        """Go on from what saved_states has returned"""
-
     def energy(self) -> dict[str, float]: ...
 
 class NodePenalty(NodeToSurface):
@@ -144,11 +138,6 @@ class NodeToSurface(NodalContact):
     def remote_owners(self) -> NDArray[numpy.int32]: ...
     @property
     def facet_length(self) -> float: ...
-    def too_deep(self, u: NDArray[numpy.floating[Any]]) -> int | None:
-        """
-        Nodes in a rigid master by more than half a facet; None: it is deformable
-        """
-
     def assign_numbers(self, halo: dolfinx_impact._cpp.operators.Halo, mass: NDArray[numpy.floating[Any]]) -> None:
         """Take the numbers of nodes from a Halo. Collective"""
 

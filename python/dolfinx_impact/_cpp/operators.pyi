@@ -180,18 +180,6 @@ def cell_masses_nodal(
 ) -> NDArray[numpy.float64]:
     """Lumped mass of a nodal rule by cell and local degree of freedom"""
 
-def cell_spectra(
-    matrix: Integral,
-    V: dolfinx.cpp.fem.FunctionSpace_float64,
-    coefficients: Mapping[str, dolfinx.cpp.fem.Function_float64],
-    masses: NDArray[numpy.floating[Any]],
-) -> NDArray[numpy.float64]:
-    """
-    Smallest and largest eigenvalue of the lumped mass's inverse times the matrix, norm of the skew part, by cell
-    """
-
-direction_name: str = "direction of the tangent"
-
 def nodes_of_bodies(
     V: dolfinx.cpp.fem.FunctionSpace_float64, nodes: NDArray[numpy.integer[Any]]
 ) -> NDArray[numpy.int32]:

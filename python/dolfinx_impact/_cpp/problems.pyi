@@ -357,9 +357,6 @@ class RollingProblem:
         Signed frequencies, sorted by modulus, and the number of modes found that grow. Collective
         """
 
-    def negative_directions(self) -> int:
-        """Number of negative eigenvalues of stiffness minus W. Collective"""
-
     @property
     def stable_rates(self) -> list[float]:
         """Rates up to which the problem is known to be stable"""
@@ -392,8 +389,6 @@ class RunHistory:
     def drift(self, energies: NDArray[numpy.floating[Any]]) -> float: ...
     @property
     def num_rows(self) -> int: ...
-    @property
-    def row_size(self) -> int: ...
     @property
     def stride(self) -> int: ...
     @property

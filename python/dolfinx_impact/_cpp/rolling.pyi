@@ -81,9 +81,5 @@ class RollingContact(dolfinx_impact._cpp.multipliers.MortarContact):
     def friction_power(self) -> float:
         """Of all ranks [F L/T]"""
 
-    @property
-    def steady_friction(self) -> float:
-        """Coefficient of friction [1]"""
-
     def speed(self) -> float:
         """Largest speed at the surfaces, of all ranks [L/T]. Collective"""

@@ -71,10 +71,6 @@ class BodyProperties:
         """There are internal variables"""
 
     @property
-    def has_inertia(self) -> bool:
-        """Inertia holds the bodies"""
-
-    @property
     def has_springs(self) -> bool:
         """Springs to the ground may hold the bodies"""
 
@@ -142,10 +138,6 @@ class Increment:
     @fault.setter
     def fault(self, arg: str, /) -> None: ...
     @property
-    def hopeless(self) -> bool: ...
-    @hopeless.setter
-    def hopeless(self, arg: bool, /) -> None: ...
-    @property
     def advice(self) -> str: ...
     @advice.setter
     def advice(self, arg: str, /) -> None: ...
@@ -195,9 +187,6 @@ class IncrementSolver:
 
     def free(self) -> None:
         """Give back the memory of PETSc's objects. Collective"""
-
-    def tell_nobody(self) -> None:
-        """Forget the functions that are told"""
 
 class LinearSolver:
     """A KSP with options of its own; every solution is checked"""
@@ -411,13 +400,6 @@ class SaddlePointSystem(LinearSystem):
         self, K: petsc4py.PETSc.Mat, extra: list[petsc4py.PETSc.Mat], rows: dolfinx_impact._cpp.multipliers.SaddlePoint
     ) -> None: ...
 
-def largest_eigenvalue(
-    A: petsc4py.PETSc.Mat, B: petsc4py.PETSc.Mat | None, tolerance: float, factorise: bool = False
-) -> tuple[float, petsc4py.PETSc.Vec] | None:
-    """
-    Largest eigenvalue of A x = lambda B x, and eigenvector; None: not found. Collective
-    """
-
 def lowest_eigenvalues(
     A: petsc4py.PETSc.Mat, B: petsc4py.PETSc.Mat, count: int, shift: float, tolerance: float
 ) -> NDArray[numpy.float64]:
@@ -438,13 +420,3 @@ def quadratic_eigenpairs(
     """
     Solutions of (s^2 M + s G + K) x = 0 nearest to a shift: s, x (two parts). Collective
     """
-
-def unconstrained_modes(
-    V: dolfinx.cpp.fem.FunctionSpace_float64,
-    fixed: NDArray[numpy.bool_],
-    contacts: Sequence[dolfinx_impact._cpp.enforcement.StaticContact],
-    u: NDArray[numpy.floating[Any]],
-    axisymmetric: bool = False,
-    stiffness: petsc4py.PETSc.Mat | None = None,
-) -> list[str]:
-    """Rigid body modes that nothing constrains, in words. Collective"""

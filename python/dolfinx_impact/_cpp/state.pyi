@@ -62,9 +62,5 @@ class State:
     def assign(self, other: State) -> None:
         """Set the values to those of a tree with the same fields and parts"""
 
-    def assign_common(self, other: State) -> None:
-        """Set the fields that another state has, too; parts stay"""
-
-    def difference_of_structure(self, other: State) -> str: ...
     def difference_of_values(self, other: State) -> str: ...
     def __repr__(self) -> str: ...

@@ -6,7 +6,7 @@ from __future__ import annotations
 from ..common.unique import Unique
 from .body_stress import BodyStress
 from .cauchy_stress import STRESS, VON_MISES
-from .history import MaterialHistory, existing
+from .material_history import MaterialHistory, existing
 from .history_field import HistoryField
 
 

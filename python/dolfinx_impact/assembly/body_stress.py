@@ -13,7 +13,7 @@ from .history_field import HistoryField
 from .stress_fields import StressFields
 
 if TYPE_CHECKING:
-    from .history import MaterialHistory
+    from .material_history import MaterialHistory
 
 NO_STRESS = (
     "the residual is your own, and its stress is not known: give the Cauchy stress sigma as a 3 x 3 UFL tensor, with "

@@ -20,6 +20,7 @@ class Fixed:
     """
 
     _made = False
+    _made_with: frozenset[str] = frozenset()  # public names that it had then
     _takes_new = False  # whether names that it has not may be added, for a user's own purposes
     _because = "problems read it when they are made and would go on with the old one"
 
@@ -32,14 +33,18 @@ class Fixed:
 
         def __setattr__(self, name: str, value: Any) -> None:
             if self._made and not name.startswith("_") and not _has_setter(type(self), name):
-                if name in _public(self) or not self._takes_new:
-                    self._refuse_change(name)
+                self._check_added(name)
             object.__setattr__(self, name, value)
 
         def __delattr__(self, name: str) -> None:
-            if self._made and not name.startswith("_") and not self._takes_new:
-                self._refuse_change(name)
+            if self._made and not name.startswith("_"):
+                self._check_added(name)
             object.__delattr__(self, name)
+
+        def _check_added(self, name: str) -> None:
+            """Raise unless the name is one that a user adds, or has added."""
+            if not self._takes_new or name in self._made_with:
+                self._refuse_change(name)
 
     def _copy(self, **changes: Any) -> Any:
         """A copy with other values of some attributes, which are not checked.
@@ -78,6 +83,7 @@ def _once_made(init: Callable[..., None]) -> Callable[..., None]:
     def make(self: Any, *args: Any, **options: Any) -> None:
         init(self, *args, **options)
         if type(self).__init__ is make:
+            object.__setattr__(self, "_made_with", _public(self))
             object.__setattr__(self, "_made", True)
 
     return make
@@ -92,7 +98,7 @@ def _has_setter(kind: type, name: str) -> bool:
     return getattr(getattr(kind, name, None), "fset", None) is not None
 
 
-def _public(thing: object) -> set[str]:
+def _public(thing: object) -> frozenset[str]:
     """Names of attributes and properties, without methods."""
     properties = {n for kind in type(thing).__mro__ for n, v in vars(kind).items() if isinstance(v, property)}
-    return {name for name in properties | set(vars(thing)) if not name.startswith("_")}
+    return frozenset(name for name in properties | set(vars(thing)) if not name.startswith("_"))

@@ -10,6 +10,7 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 
 MOVED = {  # what belongs to a package that has moved is before the package
+    "dolfinx_impact.assembly.history": "dolfinx_impact.assembly.material_history",
     "dolfinx_impact.dynamics.implicit.problem": "dolfinx_impact.dynamics.implicit.newmark_problem",
     "dolfinx_impact.rolling.contact": "dolfinx_impact.rolling.rolling_contact",
     "dolfinx_impact.rolling.problem": "dolfinx_impact.rolling.rolling_problem",
@@ -19,6 +20,8 @@ MOVED = {  # what belongs to a package that has moved is before the package
     "dolfinx_impact.bench.run": "impact_studies.bench.bench_command",
     "dolfinx_impact.creep.run": "impact_studies.creep.creep_command",
     "dolfinx_impact.rail_joint.run": "impact_studies.rail_joint.joint_command",
+    "dolfinx_impact.verify.run": "impact_verify.levels",
+    "impact_verify.run": "impact_verify.levels",
     "dolfinx_impact.verify.selfcheck.run": "impact_verify.selfcheck.self_check",
     "dolfinx_impact.bench": "impact_studies.bench",
     "dolfinx_impact.creep": "impact_studies.creep",

@@ -11,11 +11,9 @@ from ..common.types import FloatArray
 class SavedContact(Protocol):
     """What a checkpoint asks of a static contact; see protocol.StaticContact."""
 
-    def saved_state(self) -> _cpp.state.State:
-        ...
+    def saved_state(self) -> _cpp.state.State: ...
 
-    def resume(self, saved: _cpp.state.State, u: FloatArray) -> None:
-        ...
+    def resume(self, saved: _cpp.state.State, u: FloatArray) -> None: ...
 
 
 def add_contacts(state: _cpp.state.State, contacts: Sequence[SavedContact]) -> None:

@@ -15,8 +15,8 @@ INITIAL_PENETRATION = logging.getLogger("dolfinx_impact.initial_penetration")
 
 
 class StaticContactView(ContactOutput):
-    """A static contact whose state and algorithms are an object of C++. Its members are those of protocol.StaticContact,
-    its results those of ContactOutput.
+    """A static contact whose state and algorithms are an object of C++. Its members are those of
+    protocol.StaticContact, its results those of ContactOutput.
 
     A derived class has the attributes `pair`, `comm`, `gdim` and `_cpp_object`.
     """

@@ -17,7 +17,7 @@ from ..amplitude import Amplitude, PrescribedMotion
 from ..assembly import problem_arguments
 from ..assembly.body_stress import BodyStress
 from ..assembly.fields import check_inertia
-from ..assembly.history import MaterialHistory
+from ..assembly.material_history import MaterialHistory
 from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking

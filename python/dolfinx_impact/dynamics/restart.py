@@ -149,7 +149,7 @@ class Restart(Checkpoints):
         return schedule
 
     def _apply(self, saved: _cpp.state.State, attributes: Mapping[str, Any], checked: StepSchedule | None) -> None:
-        """Set the problem to the state that was read; this raises no exceptions. Collective."""
+        """It raises no exceptions."""
         # The present constants, functions and loads are those of the state that was read.
         self.stepper.inputs.update_all()
         self.stepper.resume(saved, checked)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any, Protocol
 
 from .. import _cpp
-from ..assembly.history import MaterialHistory
+from ..assembly.material_history import MaterialHistory
 from ..common.types import BoolArray
 from ..io.signature import Problem
 
@@ -26,20 +26,15 @@ class StartedProblem(Problem, Protocol):
         """The problem in C++."""
 
     @property
-    def contact(self) -> Sequence[Any]:
-        ...
+    def contact(self) -> Sequence[Any]: ...
 
     @property
-    def has_history(self) -> bool:
-        ...
+    def has_history(self) -> bool: ...
 
     @property
-    def history(self) -> MaterialHistory:
-        ...
+    def history(self) -> MaterialHistory: ...
 
     @property
-    def contact_step(self) -> float:
-        ...
+    def contact_step(self) -> float: ...
 
-    def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None:
-        ...
+    def restart_forces(self, equilibrium: _cpp.solve.EquilibriumProblem | None = None) -> None: ...

@@ -77,8 +77,7 @@ class Contact(Protocol):
 class Functions(Protocol):
     """Functions of time of a problem; see dynamics.functions_of_time.FunctionsOfTime."""
 
-    def table(self, times: FloatArray) -> FloatArray:
-        ...
+    def table(self, times: FloatArray) -> FloatArray: ...
 
 
 class Problem(Protocol):

@@ -10,7 +10,7 @@ from dolfinx.fem import Function, FunctionSpace
 
 from ..assembly.cauchy_stress import STRESS, VON_MISES
 from ..assembly.fields import is_mixed
-from ..assembly.history import MaterialHistory
+from ..assembly.material_history import MaterialHistory
 from ..assembly.history_field import HistoryField
 from ..assembly.body_stress import NO_STRESS
 from ..materials import Material
@@ -33,24 +33,19 @@ class RecordedProblem(Protocol):
     space: FunctionSpace
 
     @property
-    def contact(self) -> Sequence[Any]:
-        ...
+    def contact(self) -> Sequence[Any]: ...
 
     @property
-    def has_history(self) -> bool:
-        ...
+    def has_history(self) -> bool: ...
 
     @property
-    def history(self) -> MaterialHistory:
-        ...
+    def history(self) -> MaterialHistory: ...
 
     @property
-    def stress(self) -> HistoryField:
-        ...
+    def stress(self) -> HistoryField: ...
 
     @property
-    def von_mises(self) -> HistoryField:
-        ...
+    def von_mises(self) -> HistoryField: ...
 
 
 def body_names(problem: RecordedProblem) -> list[str]:

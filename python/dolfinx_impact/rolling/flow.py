@@ -73,7 +73,7 @@ class Flow:
 
         Args:
             lateral: speed of the first spinning body along its axis against the other, over the speed [1].
-            turn: turn of that body about the contact's normal, over the speed [1/L].
+            turn: turn of that body about the contact's normal that points into it, over the speed [1/L].
         """
         self._cpp_object.lateral, self._cpp_object.turn = lateral, turn
 

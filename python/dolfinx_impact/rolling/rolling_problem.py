@@ -17,7 +17,7 @@ from petsc4py import PETSc
 from ..assembly.ffcx_form import ffcx_form
 from .. import _cpp
 from ..assembly import problem_arguments
-from ..assembly.history import HistoryField, MaterialHistory
+from ..assembly.material_history import HistoryField, MaterialHistory
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
@@ -296,7 +296,7 @@ class RollingProblem(Unique):
             creep: longitudinal: omega is (1 + creep) times that of the beginning, (n) or one number [1].
             lateral: speed of the first spinning body along its axis against the other, over the speed, (n) or one
                 number [1].
-            spin: turn of that body about the contact's normal (out of the master) against the other, over the speed,
+            spin: turn of that body about the contact's normal that points into it, against the other, over the speed,
                 (n) or one number; meshes in space [1/L].
             file: HDF5 file that is written after every point. Points that it has already are not solved again.
             progress: show a progress bar on rank 0.

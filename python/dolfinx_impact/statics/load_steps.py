@@ -131,8 +131,7 @@ class LoadedProblem(Protocol):
     recorders: list[LoadStepRecorder]
 
     @property
-    def contact(self) -> Sequence[Any]:
-        ...
+    def contact(self) -> Sequence[Any]: ...
 
     @property
     def _cpp_object(self) -> _cpp.problems.StaticProblem:

@@ -11,7 +11,7 @@ from dolfinx import fem
 from .. import _cpp
 from ..assembly import operators
 from ..assembly.ffcx_form import ffcx_form
-from ..assembly.history import MaterialHistory
+from ..assembly.material_history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts
 from ..assembly.jit import compile_form
 from ..assembly.operators import BilinearKernels, InternalForce

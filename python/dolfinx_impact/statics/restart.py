@@ -59,12 +59,10 @@ class SavedStatics(Protocol):
     solves: Solves
 
     @property
-    def loads(self) -> Sequence[Any]:
-        ...
+    def loads(self) -> Sequence[Any]: ...
 
     @property
-    def contact(self) -> Sequence[Any]:
-        ...
+    def contact(self) -> Sequence[Any]: ...
 
     @property
     def _cpp_object(self) -> _cpp.problems.StaticProblem:

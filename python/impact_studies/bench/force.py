@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Internal forces of elastic bodies: element applications per second, on one rank and on several.
 
-The baselines are those of the command (run.py): FFCx's kernel compiled strictly, and with fast arithmetic.
+The baselines are those of the command (bench_command.py): FFCx's kernel compiled strictly, and with fast arithmetic.
 """
 
 import json

@@ -12,7 +12,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from dolfinx_impact import contact
 from dolfinx_impact.common.types import BoolArray, FloatArray, IntArray
 from dolfinx_impact.own_forms import distorted_block
-from .. import bodies, operator
+from .. import matched_body, operator
 from ..contact_bodies import BOTTOM, SLAVE, ObstaclePair, TwoBodies, two_bodies
 from ..nodes import TheirRule
 from .scenario import VelocityField
@@ -126,7 +126,7 @@ def on_foundation(body: TwoBodies, stiffness: Any, damping: Any) -> tuple[Any, A
     Returns:
         Stiffness and damping, for `Scenario.foundation`.
     """
-    body.model.facet_rule = bodies.foundation_rule(body)
+    body.model.facet_rule = matched_body.foundation_rule(body)
     body.model.add_foundation(body.their_facets(body.tags, SLAVE), stiffness, damping)
     return stiffness, damping
 

@@ -13,7 +13,7 @@ from scipy.sparse import csr_matrix
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.statics.static_problem import StaticProblem
-from ..bodies import petsc_to_scipy
+from ..differences import petsc_to_scipy
 from dolfinx_impact.own_forms.own_form import OwnForm
 from .parts import split_dead_loads
 

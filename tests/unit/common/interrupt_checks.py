@@ -310,6 +310,47 @@ def statics_goes_back():
         np.testing.assert_allclose(contact.force, whole.contact[0].force, rtol=1e-7)
 
 
+def check_an_implicit_step_goes_back():
+    """An exception in the middle of a step, on all ranks: the problem has the state after the step before, and goes on
+    from there as one that was never left."""
+    with patch.object(in_cpp, "contact_in_cpp", _cpp.solve.PythonContact):
+
+        def make():
+            u, tags, bcs, plane = pressed_block()
+            v = fem.Function(u.function_space)
+            v.x.array[1::2] = 0.5  # towards the plane
+            soft = di.NeoHookean(1e3, 0.3, density=1.0, hypothesis="plane_strain")
+            load = di.BodyForce((0.0, 5.0), per_mass=False)
+            return di.NewmarkProblem(
+                u, soft, velocity=v, loads=[load], contact=[di.Lagrange(di.ContactPair(tags, 3, plane))]
+            )
+
+        whole, problem = make(), make()
+        whole.advance(0.02, dt=0.005, progress=False)
+        problem.advance(0.01, dt=0.005, progress=False)
+        contact, count = problem.contact[0], []
+        before = [f.x.array.copy() for f in (problem.u, problem.velocity, problem.acceleration)]
+        update, force = contact.update_gap, contact.force.copy()
+
+        def updated(u):
+            count.append(1)
+            update(u)
+            if len(count) == 3:
+                reach()
+
+        contact.update_gap = updated
+        with pytest.raises(Reached):
+            problem.advance(0.02, dt=0.005, progress=False)
+        assert problem.time == pytest.approx(0.01, rel=1e-12)
+        for f, values in zip((problem.u, problem.velocity, problem.acceleration), before):
+            np.testing.assert_array_equal(f.x.array, values)
+        contact.update_gap = update
+        problem.advance(0.02, dt=0.005, progress=False)
+        assert contact.force[1] < -1.0 and not np.array_equal(force, contact.force)  # still pressed
+        np.testing.assert_allclose(problem.u.x.array, whole.u.x.array, rtol=0, atol=1e-10)
+        np.testing.assert_allclose(contact.force, whole.contact[0].force, rtol=1e-7)
+
+
 @with_ctrl_c
 def check_statics_by_a_method_of_petsc():
     """An exception passes through PETSc's own methods as it is."""

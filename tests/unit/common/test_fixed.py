@@ -202,7 +202,12 @@ class OneOfAKind(Unique):
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps])
 def test_what_shares_state_is_not_copied(copied):
     thing = OneOfAKind()
-    thing.notes = "a user's own"  # may be added
+    for notes in ("a user's own", "may be added, changed"):
+        thing.notes = notes
+    assert thing.notes == "may be added, changed"
+    del thing.notes  # and removed
+    with pytest.raises(AttributeError):
+        del thing.part
     with pytest.raises(AttributeError, match="part of an OneOfAKind cannot be changed: it was made with it"):
         thing.part = 2
     with pytest.raises(TypeError, match="an? OneOfAKind cannot be (copied|pickled): it shares its state"):

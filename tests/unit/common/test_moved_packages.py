@@ -33,6 +33,8 @@ def test_the_door_leads_to_the_package():
     [
         ("dolfinx_impact.verify.report", "impact_verify.report"),
         ("dolfinx_impact.verify.selfcheck.run", "impact_verify.selfcheck.self_check"),
+        ("dolfinx_impact.verify.run", "impact_verify.levels"),
+        ("impact_verify.run", "impact_verify.levels"),
         ("dolfinx_impact.creep", "impact_studies.creep"),
         ("dolfinx_impact.creep.model", "impact_studies.creep.model"),
         ("dolfinx_impact.rail_joint.run", "impact_studies.rail_joint.joint_command"),
@@ -56,6 +58,19 @@ print([text for text in said if text.startswith({former + " is "!r})])
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip() == repr([f"{former} is {now} now: import that"])
+
+
+def test_a_former_name_of_a_module_that_is_loaded():
+    now = importlib.import_module("dolfinx_impact.assembly.material_history")
+    with pytest.warns(DeprecationWarning, match="is dolfinx_impact.assembly.material_history now"):
+        former = importlib.import_module("dolfinx_impact.assembly.history")
+    assert former is now and former.MaterialHistory.__module__ == now.__name__
+
+
+def test_the_package_beside_finds_former_names_without_the_library():
+    code = "import warnings; warnings.simplefilter('ignore'); from impact_verify.run import LEVELS; print(len(LEVELS))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and int(done.stdout) > 5, done.stderr
 
 
 def test_each_package_is_there_and_others_have_not_moved():

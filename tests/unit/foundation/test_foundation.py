@@ -14,7 +14,7 @@ from mpi4py import MPI
 from on_ranks import rank_tests
 
 import dolfinx_impact as di
-from impact_verify.bodies import petsc_to_scipy
+from impact_verify.differences import petsc_to_scipy
 
 test_one_rank, test_several_ranks = rank_tests(checks, in_make_test={"added_mass": (1,)})
 SELF = MPI.COMM_SELF

@@ -3,6 +3,7 @@
 
 import logging
 
+import basix.ufl
 import numpy as np
 import pytest
 from dolfinx import fem, mesh
@@ -120,3 +121,50 @@ def test_a_contact_that_opens_is_told(method, caplog):
         problem.solve()
     assert "contacts that were closed carry no force at the end" in caplog.text
     assert problem.contact[0].pair.name in caplog.text and "smallest gap 2.000e-02" in caplog.text
+
+
+def plate_and_punch(cell, method):
+    """A narrow punch on a plate of 0.2, and the nodes of the punch."""
+    quads = {"plate": ((-1.0, -0.2), (1.0, 0.0), (10, 2)), "punch": ((-0.25, 0.0), (0.25, 0.3), (3, 2))}
+    x, cells, tags = [], [], []
+    for k, (low, high, count) in enumerate(quads.values()):
+        part = mesh.create_rectangle(MPI.COMM_SELF, [low, high], count, getattr(mesh.CellType, cell))
+        cells.append(part.geometry.dofmap + sum(len(p) for p in x))
+        x.append(part.geometry.x[:, :2])
+        tags += [k + 1] * len(cells[-1])
+    element = basix.ufl.element("Lagrange", cell, 1, shape=(2,))
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.concatenate(cells), np.concatenate(x), element)
+    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    of = np.array(tags)[domain.topology.original_cell_index]
+    punch = np.unique(V.dofmap.list[of == 2])
+    domain.topology.create_connectivity(1, 2)
+    facets = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], 0.0))
+    of = np.array([of[domain.topology.connectivity(1, 2).links(f)[0]] for f in facets], dtype=np.int32)
+    pair = di.ContactPair(mesh.meshtags(domain, 1, facets, of), 2, 1)
+    problem = di.StaticProblem(
+        fem.Function(V), di.LinearElastic(1.0, 0.3, hypothesis="plane_strain"), contact=[method(pair)]
+    )
+    return problem, punch
+
+
+@pytest.mark.parametrize("cell", ("quadrilateral", "triangle"))
+@pytest.mark.parametrize("method", (di.Lagrange, di.Penalty))
+@pytest.mark.parametrize(
+    "motion, through",
+    (
+        ((1.5, -0.3), True),  # deep in the plate on its way, and out of it at its side
+        ((1.5, 0.3), False),  # above the plate
+        ((1.5, -0.01), False),  # along its surface and over its edge
+        ((0.3, -0.3), False),  # still over the plate: in it, which the contact sees
+    ),
+)
+def test_a_punch_that_has_left_the_plate(cell, method, motion, through):
+    """Where a point is without a master, its path from the start of the increment says whether it may be open."""
+    problem, punch = plate_and_punch(cell, method)
+    contact = problem.contact[0]._cpp_object
+    u = np.zeros_like(problem.u.x.array)
+    contact.begin_step(u, None)
+    u.reshape(-1, 2)[punch] = motion
+    contact.update_gap(u)
+    said = contact.passed_through()
+    assert ("points have passed through the master in this increment" in said) == through, said

@@ -8,6 +8,9 @@ from dolfinx import fem, la, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import _cpp
+from dolfinx_impact.assembly.averaged_form import compile_columns
+from dolfinx_impact.assembly.operators import BilinearKernels
 
 COMM = MPI.COMM_WORLD
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
@@ -202,6 +205,25 @@ def check_tangent():
             A.assemble()
             A.axpy(-1.0, tangent.assemble())
             assert A.norm() < TOLERANCE * tangent.matrix.norm()
+
+
+def check_matrices_of_facets():
+    """Kernels of our own on cells and outer facets, in one matrix, against FFCx's."""
+    for cell in CELLS:
+        domain = body(cell)
+        f = displacement(domain, 1)
+        V = f.function_space
+        u, v = ufl.TrialFunction(V), ufl.TestFunction(V)
+        form = (1 + ufl.inner(f, f)) * ufl.inner(u, v) * ufl.ds + ufl.inner(ufl.grad(u), ufl.grad(v)) * ufl.dx
+        kernels = BilinearKernels(form, compile_columns(form, V))
+        spaces = V._cpp_object, V._cpp_object
+        ours = _cpp.operators.KernelTangent(*spaces, kernels.integrals, kernels.sources, None)
+        ours.assemble([])
+        theirs = petsc.assemble_matrix(fem.form(form))
+        theirs.assemble()
+        size = theirs.norm()
+        theirs.axpy(-1.0, ours.matrix)
+        assert size > 1.0 and theirs.norm() <= TOLERANCE * size, (cell, theirs.norm() / size)
 
 
 def check_updates():

@@ -128,18 +128,22 @@ def check_finite_strain():
         assert_same_fields(*results)
 
 
+def heated(w):
+    """Heat that conducts the better the hotter it is, in a body whose forces are 1e12 times larger."""
+    (u, T), (v, q) = ufl.split(w), ufl.TestFunctions(w.function_space)
+    x = ufl.SpatialCoordinate(w.function_space.mesh)
+    stress = 2e11 * (ufl.sym(ufl.grad(u)) - 1e-5 * T * ufl.Identity(2))
+    heat = (1 + T**2) * ufl.dot(ufl.grad(T), ufl.grad(q)) + T * q - 10 * ufl.sin(5 * x[0]) * q
+    return (ufl.inner(stress, ufl.grad(v)) + heat) * ufl.dx(degree=4)
+
+
 def check_a_small_equation_beside_large_forces():
-    """Heat that conducts the better the hotter it is, in a body whose forces are 1e12 times larger: its equation must
-    hold as well."""
-    domain = body("triangle", 3)
-    W = taylor_hood(domain, 0)
+    """The equation of the heat must hold as well."""
+    W = taylor_hood(body("triangle", 3), 0)
     results = []
     for own in (True, False):
         w = fem.Function(W, name="w")
-        (u, T), (v, q), x = ufl.split(w), ufl.TestFunctions(W), ufl.SpatialCoordinate(domain)
-        stress = 2e11 * (ufl.sym(ufl.grad(u)) - 1e-5 * T * ufl.Identity(2))
-        heat = (1 + T**2) * ufl.dot(ufl.grad(T), ufl.grad(q)) + T * q - 10 * ufl.sin(5 * x[0]) * q
-        residual = (ufl.inner(stress, ufl.grad(v)) + heat) * ufl.dx(degree=4)
+        residual = heated(w)
         if own:
             report = di.StaticProblem(w, residual=residual, bcs=[clamp(W)]).solve()
             assert len(report.residual_norms[0]) > 4, report.residual_norms  # the mechanical part is linear
@@ -147,6 +151,32 @@ def check_a_small_equation_beside_large_forces():
             solve_plainly(residual, w, [clamp(W)])
         results.append(w)
     assert_same_fields(*results)
+
+
+def check_methods_of_petsc():
+    """PETSc's methods have one norm of all fields: fields of one size are solved, an equation that is small beside the
+    others is seen not to hold."""
+    domain = body("quadrilateral", 3)
+    W = taylor_hood(domain)
+    results = []
+    for own in (True, False):
+        w = fem.Function(W, name="w")
+        bcs = [clamp(W), clamp(W, 1.0, [0.1, 0.05])]
+        residual = two_field(w, 1.0, finite=True)
+        if own:
+            problem = di.StaticProblem(w, residual=residual, bcs=bcs, options={"snes_type": "newtonls"})
+            problem.solve(rtol=1e-13)
+        else:
+            solve_plainly(residual, w, bcs)
+        results.append(w)
+    assert_same_fields(*results)
+    W = taylor_hood(body("triangle", 3), 0)
+    w = fem.Function(W, name="w")
+    start = w.x.array.copy()
+    problem = di.StaticProblem(w, residual=heated(w), bcs=[clamp(W)], options={"snes_type": "newtonls"})
+    with pytest.raises(RuntimeError, match="in which the equation of one does not hold yet"):
+        problem.solve()
+    assert np.array_equal(w.x.array, start)
 
 
 def check_mixed_poisson():

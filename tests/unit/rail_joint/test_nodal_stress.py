@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Stress at the nodes of a joint whose strain is the same everywhere: Hooke's in each part, the largest where two meet."""
+"""Stress at the nodes of a joint whose strain is the same everywhere: Hooke's in the rails, also where they meet what
+is softer."""
 
 import numpy as np
 import pytest

@@ -226,8 +226,8 @@ def check_bad_bodies():
         make({1: 3.0})
 
 
-def wheel_mesh(around=48, through=3, across=4, width=0.2):
-    """A ring of hexahedra about the z axis, radii 0.5 and 1, with one cell tag and the tag 7 on its tread."""
+def wheel_cells(around=48, through=3, across=4, width=0.2):
+    """Nodes and hexahedra of a ring about the z axis, radii 0.5 and 1."""
     angle = np.arange(around) * 2 * np.pi / around - np.pi / 2
     r, z = np.linspace(0.5, 1.0, through + 1), np.linspace(-width, width, across + 1)
     A, R, Z = np.meshgrid(angle, r, z, indexing="ij")
@@ -238,14 +238,73 @@ def wheel_mesh(around=48, through=3, across=4, width=0.2):
         return (((i + di) % around) * (through + 1) + j + dj) * (across + 1) + k + dk
 
     corners = [(0, 0, 0), (0, 1, 0), (1, 0, 0), (1, 1, 0), (0, 0, 1), (0, 1, 1), (1, 0, 1), (1, 1, 1)]
-    cells = np.column_stack([node(*corner) for corner in corners]).astype(np.int64)
+    return x, np.column_stack([node(*corner) for corner in corners]).astype(np.int64)
+
+
+def hexahedra(x, cells):
+    """A mesh of them, which rank 0 alone hands over."""
     if COMM.rank > 0:
         cells, x = cells[:0], x[:0]
     element = basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,))
-    shared = mesh.create_cell_partitioner(mesh.GhostMode.shared_facet)
-    domain = mesh.create_mesh(COMM, cells, x, element, shared)
-    tread = mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(np.hypot(x[0], x[1]), 1.0))
+    return mesh.create_mesh(COMM, cells, x, element, mesh.create_cell_partitioner(mesh.GhostMode.shared_facet))
+
+
+def is_tread(x):
+    return np.isclose(np.hypot(x[0], x[1]), 1.0)
+
+
+def wheel_mesh():
+    """The ring with the tag 7 on its tread."""
+    domain = hexahedra(*wheel_cells())
+    tread = mesh.locate_entities_boundary(domain, 2, is_tread)
     return domain, mesh.meshtags(domain, 2, np.sort(tread), np.full(len(tread), 7, np.int32))
+
+
+def wheel_on_rail(wheel_is_slave, rates):
+    """Forces on a wheel that rolls towards +x on a block, which flows towards -x with unit speed."""
+    wheel, tyres = wheel_cells(through=2)
+    block = mesh.create_box(MPI.COMM_SELF, [(-0.5, -1.2, -0.3), (0.5, -1.0, 0.3)], (10, 2, 6), mesh.CellType.hexahedron)
+    domain = hexahedra(
+        np.concatenate([wheel, block.geometry.x]), np.concatenate([tyres, block.geometry.dofmap + len(wheel)])
+    )
+    tread = mesh.locate_entities_boundary(domain, 2, is_tread)
+    rail = mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(x[1], -1.0) & (np.abs(x[0]) < 0.51))
+    rail = np.setdiff1d(rail, tread)
+    facets, tags = np.concatenate([tread, rail]), np.repeat(np.array([7, 8], np.int32), [len(tread), len(rail)])
+    order = np.argsort(facets)
+    surfaces = mesh.meshtags(domain, 2, facets[order], tags[order])
+    count = domain.topology.index_map(3).size_local + domain.topology.index_map(3).num_ghosts
+    middles = mesh.compute_midpoints(domain, 3, np.arange(count, dtype=np.int32))
+    bodies = mesh.meshtags(
+        domain, 3, np.arange(count, dtype=np.int32), np.where(middles[:, 1] < -1.0, 2, 1).astype(np.int32)
+    )
+    V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
+    pressed, held = fem.Function(V), []
+    for where, approach in ((lambda x: np.isclose(np.hypot(x[0], x[1]), 0.5), 0.01), (lambda x: x[1] < -1.199, 0.0)):
+        held.append(fem.locate_dofs_geometrical(V, where))
+        pressed.x.array.reshape(-1, 3)[held[-1]] = (0.0, -approach, 0.0)
+    pair = di.ContactPair(surfaces, *((7, 8) if wheel_is_slave else (8, 7)), friction=0.3)
+    problem = di.RollingProblem(
+        fem.Function(V), di.LinearElastic(100.0, 0.3, density=1e-3), bodies,
+        {1: di.Spin((0, 0, 0), (0, 0, 1), -1.0), 2: di.Translation((-1.0, 0.0, 0.0))},
+        contact=[di.Lagrange(pair)], bcs=[fem.dirichletbc(pressed, dofs) for dofs in held],
+    )  # fmt: skip
+    curve = problem.sweep(**{name: [value] for name, value in rates.items()}, progress=False)
+    return np.array(curve["force"][0]) * (1.0 if wheel_is_slave else -1.0)
+
+
+def check_creepages_are_those_of_the_wheel_whichever_body_is_slave():
+    """Under full slip the force on the wheel is friction against its motion on the rail, whichever surface carries the
+    multipliers; spin creep, with the contact's centre in the plane of symmetry, turns it to the same side.
+    """
+    for rates in ({"lateral": 0.1}, {"lateral": -0.1}, {"lateral": 0.0, "spin": 0.5}):
+        ours, other = (wheel_on_rail(slave, rates) for slave in (True, False))
+        assert ours[1] > 0.1 and other[1] == pytest.approx(ours[1], rel=0.2)  # coarse meshes that do not fit
+        if rates["lateral"]:
+            for force in (ours, other):
+                assert force[2] == pytest.approx(-np.sign(rates["lateral"]) * 0.3 * force[1], rel=0.02)
+        else:
+            assert ours[2] > 0.01 * ours[1] and 1 / 3 < other[2] / ours[2] < 3.0  # two cells in the contact
 
 
 def wheel_on_plane(

@@ -69,8 +69,6 @@ public:
   /// Energy of springs whose gradient is minus the contact force, without friction and multipliers; this rank's part
   /// [F L].
   double energy() const { return enforcement::energy(pair(), _state); }
-  /// How many matrices the tangent has needed so far.
-  int num_matrices() const { return _matrix.num_created(); }
 
 private:
   PenaltyForces(Setup setup, std::unique_ptr<search::PairSearch> search, std::shared_ptr<const gap::Rigid> rigid);

@@ -110,7 +110,7 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
   _initial.emplace(_name, *_space, _slave, _master ? &*_master : nullptr, at().x, at().gap,
                    _options.remove_penetration);
   _forces.history.offset = _initial->offset();
-  _gap_before = gap();
+  _gap_before = facing_gap();
 }
 
 QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
@@ -220,7 +220,7 @@ void QuadraturePenalty::accept_step()
   _forces.accept_step();
   const std::vector<ContactStatus> now = status();
   std::transform(now.begin(), now.end(), _touched.begin(), [](ContactStatus s) { return s != ContactStatus::open; });
-  _gap_before = gap();
+  _gap_before = facing_gap();
   const std::vector<double> tractions = traction(), part = covered();
   _totals.update(comm(), {at().gdim, at().x, tractions, _forces.state().slip, now, at().weight, part});
 }
@@ -321,7 +321,7 @@ std::string QuadraturePenalty::passed_through()
   }
   else
   {
-    const std::vector<double> here = _u, now = gap();
+    const std::vector<double> here = _u, now = facing_gap();
     for (std::size_t q = 0; q < passed.size(); ++q)
       passed[q] = std::isfinite(_gap_before[q]) && std::isinf(now[q]);
     int any = std::ranges::any_of(passed, [](std::int8_t p) { return p != 0; });
@@ -334,7 +334,7 @@ std::string QuadraturePenalty::passed_through()
         for (std::size_t i = 0; i < there.size(); ++i)
           there[i] += part * (here[i] - there[i]);
         locate(there);
-        return gap();
+        return facing_gap();
       };
       passed = gap::through_master(comm(), passed, point_sizes(_slave, at()), gap_on_the_way);
       update_gap(here);
@@ -390,7 +390,7 @@ void QuadraturePenalty::resume(const state::State& saved, std::span<const double
   }
   // A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
   _resumed_status = _last_status = std::move(status);
-  _gap_before = gap();
+  _gap_before = facing_gap();
   _totals.resume(saved, slip());
 }
 
@@ -598,6 +598,16 @@ std::vector<double> QuadraturePenalty::gap() const
   std::vector<double> out = at().gap;
   for (std::size_t q = 0; q < out.size(); ++q)
     out[q] += _forces.history.offset[q];
+  return out;
+}
+
+/// Infinite where a point is open over an edge or a corner, as beside the master: that may be its far side.
+std::vector<double> QuadraturePenalty::facing_gap() const
+{
+  std::vector<double> out = gap();
+  for (std::size_t q = 0; q < out.size(); ++q)
+    if (out[q] > 0.0 && at().status[q] != search::ProjectionStatus::converged)
+      out[q] = std::numeric_limits<double>::infinity();
   return out;
 }
 

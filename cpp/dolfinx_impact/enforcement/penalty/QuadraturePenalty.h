@@ -95,9 +95,6 @@ public:
 
   /// Penalty in use; 0 before the first increment with an automatic one [F/L^3].
   double penalty() const { return _penalty; }
-  /// Tangential penalty in use; 0 before the first increment [F/L^3].
-  double tangential() const { return _tangential; }
-  bool convex() const { return _convex; }
   const PenaltyOptions& options() const { return _options; }
   const gap::InitialPenetration& initial() const { return *_initial; }
   ContactTotals& totals() { return _totals; }
@@ -115,6 +112,7 @@ public:
                                                                         std::size_t columns) const;
 
 private:
+  std::vector<double> facing_gap() const;
   QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                     std::optional<surface::Facets> master, std::shared_ptr<gap::Rigid> rigid,
                     const PenaltyOptions& options, TangentFunction bodies);
@@ -154,7 +152,7 @@ private:
   std::vector<double> _u, _start; ///< displacements now and when the increment began; ghosts follow in update_gap
   std::array<double, 3> _displacement{}, _start_displacement{}; ///< of a rigid master
   std::vector<std::int8_t> _touched;                            ///< points that were closed in the last converged state
-  std::vector<double> _gap_before;                              ///< in the last converged state
+  std::vector<double> _gap_before;                              ///< facing_gap in the last converged state
   std::vector<ContactStatus> _last_status;                      ///< of the last iteration
   std::optional<std::vector<ContactStatus>> _resumed_status;    ///< that of a checkpoint, until the next evaluation
 };

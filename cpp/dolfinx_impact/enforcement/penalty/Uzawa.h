@@ -31,9 +31,6 @@ public:
 
   /// Number of augmentations of the present increment.
   int rounds() const { return _rounds; }
-  /// Of the round before the last one and of the last one, the largest change of a multiplier divided by the penalty:
-  /// mean penetration around a corner, or its opening where the multiplier decreases [L].
-  const std::array<double, 2>& penetration() const { return _penetration; }
 
   /// Begin an increment.
   void begin();
@@ -57,6 +54,8 @@ private:
   std::vector<std::int32_t> _corners; ///< of the facets, [facet*num_corners + i]
   std::vector<double> _table;         ///< corners' functions at the points, [point*num_corners + i]
   int _rounds = 0;
+  /// Of the round before the last one and of the last one, the largest change of a multiplier divided by the penalty:
+  /// mean penetration around a corner, or its opening where the multiplier decreases [L].
   std::array<double, 2> _penetration{};
 };
 } // namespace dolfinx_impact::enforcement

@@ -141,9 +141,9 @@ class QuadraturePenalty(StaticContactView):
         return nodes, means
 
     def at_nodes(self, values: ArrayLike) -> tuple[IntArray, AnyArray]:
-        """Real values become means over the points with finite ones, as a gap without master is infinite; a node without
-        finite values gets an infinite one. Integers, as status, become the one with the largest part of the node's
-        area."""
+        """Real values become means over the points with finite ones, as a gap without master is infinite; a node
+        without finite values gets an infinite one. Integers, as status, become the one with the largest part of the
+        node's area."""
         values = np.asarray(values)
         if np.issubdtype(values.dtype, np.integer):
             nodes, parts = self.nodal(values[:, None] == np.arange(len(ContactStatus)))

@@ -42,15 +42,13 @@ class SavedImplicit(Protocol):
     stepper: ImplicitStepper
 
     @property
-    def time(self) -> float:
-        ...
+    def time(self) -> float: ...
 
     @property
     def _cpp_object(self) -> _cpp.problems.NewmarkProblem:
         """The problem in C++."""
 
-    def sample(self, times: FloatArray) -> FloatArray:
-        ...
+    def sample(self, times: FloatArray) -> FloatArray: ...
 
 
 class ImplicitRestart(Checkpoints):

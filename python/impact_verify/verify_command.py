@@ -3,7 +3,7 @@
 
 import argparse
 import sys
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import ufl
@@ -11,141 +11,12 @@ from mpi4py import MPI
 
 from dolfinx_impact.forms import registry
 from dolfinx_impact.own_forms.user_file import run_file
-from . import (
-    catalogue,
-    contact,
-    derivative,
-    element,
-    history,
-    html,
-    junit,
-    material,
-    order,
-    plastic_bodies,
-    ranks,
-    rolling,
-    solution,
-    spectrum,
-    user_form,
-    yielding_runs,
-)
-from . import operator as operator_level
+from . import html, junit, order, ranks, user_form
+from .levels import LEVELS, check_choice, cross_check, run_bodies
 from .model_warnings import model_warnings_off
 from .report import Report
 from .selfcheck import page
 from .selfcheck import self_check as selfcheck
-
-LEVELS = (
-    "element", "operator", "material", "solution", "spectrum", "order", "derivative", "contact", "history", "rolling",
-    "ranks",
-)  # fmt: skip
-
-
-def cross_check(
-    form_or_name: str | ufl.Form | None = None,
-    *,
-    operator: str | None = None,
-    constants: Mapping[str, ufl.Constant | float] | None = None,
-    hypothesis: str | None = None,
-    cells: Collection[str] | None = None,
-    degrees: Collection[int] | None = None,
-    levels: Collection[str] = ("element",),
-    count: int = 100,
-    report: Report | None = None,
-    progress: bool = False,
-) -> Report:
-    """Compare forms of the catalogue, or a form of the user, with the hand-written solver.
-
-    Every rank that calls it makes all comparisons by itself.
-
-    Args:
-        form_or_name: a name of forms.registry.NAMES, a UFL form, a path of a user's file, or None for all forms.
-        operator: operator that a UFL form or a user's file is compared with, for example "elasticity"; None takes the
-            name of the file.
-        constants: constants of a UFL form by name (E, nu, mu, lmbda, density, ...).
-        hypothesis: hypothesis of a UFL form in the plane: "plane_strain" (default), "plane_stress" or "axisymmetric".
-        cells: cells that the comparison is restricted to; None for all.
-        degrees: degrees of the displacement that it is restricted to; None for all.
-        levels: levels to run, a part of LEVELS.
-        count: number of random cells per element comparison.
-        report: report to add to; None makes a new one.
-        progress: show progress bars.
-
-    Returns:
-        Report with `rows` and `passed`.
-
-    Raises:
-        ValueError: unknown form, operator, cell, degree or level; a UFL form without an operator.
-    """
-    _check(cells, degrees, levels)
-    report = report if report is not None else Report(cells, degrees)
-    if isinstance(form_or_name, ufl.Form):
-        if operator is None:
-            raise ValueError(f"operator is None: name one of {', '.join(user_form.ALIASES)} for a form of your own")
-        user_form.check_form(report, form_or_name, operator, {**(constants or {}), "hypothesis": hypothesis})
-        return report
-    if form_or_name is not None and str(form_or_name).endswith(".py"):
-        user_form.check(report, form_or_name, operator)
-        return report
-    if form_or_name is not None and form_or_name not in registry.NAMES:
-        raise ValueError(f"form {form_or_name!r} is unknown: the catalogue holds {', '.join(registry.NAMES)}")
-    names = None if form_or_name is None else [form_or_name]
-    if "element" in levels:
-        cases = catalogue.cases(names, cells, degrees)
-        if len(cases) > 20:
-            element.compile_all(cases, progress)
-        element.run(report, cases, count, progress)
-    with model_warnings_off():
-        _run_bodies(report, levels, progress)
-        if "order" in levels:
-            order.run(report, None, progress)
-    if "ranks" in levels:
-        ranks.run(report, progress=progress)
-    return report
-
-
-def _run_bodies(report: Report, levels: Collection[str], progress: bool = True, announce: bool = False) -> None:
-    """Run the levels between element and order.
-
-    Args:
-        report: report to add to.
-        levels: levels to run.
-        progress: show progress bars.
-        announce: name every level on the standard error.
-    """
-    for level, module in (
-        ("operator", operator_level),
-        ("material", material),
-        ("solution", solution),
-        ("spectrum", spectrum),
-        ("derivative", derivative),
-        ("contact", contact),
-        ("history", history),
-        ("rolling", rolling),
-    ):
-        if level not in levels:
-            continue
-        if announce:
-            print(f"level {level}", file=sys.stderr)
-        module.run(report, progress)
-        if level == "solution":
-            plastic_bodies.solution_rows(report)
-        elif level == "history":
-            plastic_bodies.history_rows(report)
-            history.run_implicit(report)
-            yielding_runs.run(report)
-
-
-def _check(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:
-    for value in cells or ():
-        if value not in registry.CELLS:
-            raise ValueError(f"cell {value!r} is unknown: use {', '.join(registry.CELLS)}")
-    for value in degrees or ():
-        if value not in registry.DEGREES:
-            raise ValueError(f"degree {value!r} is not in the catalogue: use 1 or 2")
-    for value in levels:
-        if value not in LEVELS:
-            raise ValueError(f"level {value!r} is unknown: use {', '.join(LEVELS)}")
 
 
 def parser() -> argparse.ArgumentParser:
@@ -249,7 +120,7 @@ def _self_check(args: argparse.Namespace) -> Report:
 
 
 def _run(report: Report, args: argparse.Namespace) -> None:
-    _check(args.cells, args.degree, args.levels)
+    check_choice(args.cells, args.degree, args.levels)
     if args.file:
         only = args.name if args.operator is not None else None
         user_form.check(report, args.file, args.operator or args.name, only=only)
@@ -262,7 +133,7 @@ def _run(report: Report, args: argparse.Namespace) -> None:
     folder = Path(args.output or "results/verify")
     folder.mkdir(parents=True, exist_ok=True)
     with model_warnings_off():
-        _run_bodies(report, args.levels, announce=True)
+        run_bodies(report, args.levels, announce=True)
         if "order" in args.levels:
             order.run(report, folder)
     if "ranks" in args.levels:
