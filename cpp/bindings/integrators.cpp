@@ -7,6 +7,10 @@ namespace nb = nanobind;
 using namespace dolfinx_impact::integrators;
 using dolfinx_impact::bindings::Indices;
 using dolfinx_impact::bindings::MutableValues;
+using dolfinx_impact::bindings::NumpyArray;
+using dolfinx_impact::bindings::take;
+using dolfinx_impact::bindings::Typed;
+using dolfinx_impact::bindings::typed;
 using dolfinx_impact::bindings::Values;
 
 namespace
