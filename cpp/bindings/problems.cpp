@@ -158,9 +158,6 @@ void bind_history(nb::module_& m)
       .def_prop_ro(
           "last", [](const RunHistory& self) { return copy_of(self.last()); }, nb::rv_policy::move)
       .def("begin_anew", &RunHistory::begin_anew)
-      .def("resume", &RunHistory::resume, nb::arg("total_start").none(), nb::arg("largest"))
-      .def_prop_ro("total_start", &RunHistory::total_start)
-      .def_prop_ro("largest", &RunHistory::largest)
       .def(
           "drift",
           [](const RunHistory& self, Values energies)

@@ -11,6 +11,7 @@
 #include <dolfinx_impact/integrators/NodalFields.h>
 #include <dolfinx_impact/integrators/PrescribedMotion.h>
 #include <dolfinx_impact/integrators/StepSchedule.h>
+#include <dolfinx_impact/integrators/newmark/StepMotion.h>
 #include <stdexcept>
 
 using Catch::Approx;
@@ -291,4 +292,36 @@ TEST_CASE("a schedule has equal steps that end exactly where they should")
   CHECK(schedule.time(10) == 0.4); // to the last digit, whatever three thirds are
   CHECK(schedule == StepSchedule{0.1, 0.4, 7, 10, false});
   CHECK_FALSE(schedule == StepSchedule{0.1, 0.4, 7, 10, true});
+}
+
+TEST_CASE("the end of an implicit step has the formulas of Newmark, Chung and Hulbert")
+{
+  const double h = 0.5;
+  const std::vector<std::int8_t> massless{0, 1, 0}, fixed{0, 0, 1};
+  TimeValues prescribed;
+  prescribed.velocity = {0.0, 0.0, 7.0};
+  prescribed.acceleration = {0.0, 0.0, -3.0};
+  for (const ImplicitScheme& s : {ImplicitScheme::newmark(0.25, 0.5), ImplicitScheme::newmark(0.3, 0.6),
+                                  ImplicitScheme::generalised_alpha(0.2), ImplicitScheme::hht(-0.1)})
+  {
+    const Motion start{{1.0, 2.0, 3.0}, {0.25, 4.0, 5.0}, {-2.0, 6.0, 0.0}, {-1.5, 0.0, 0.0}};
+    const StepMotion motion(s, h, start, massless, fixed, prescribed);
+    const Motion end = motion.end(std::vector<double>{1.75, 2.5, 3.5});
+    CHECK(end.displacement == std::vector<double>{1.75, 2.5, 3.5});
+    const double mean = start.mean[0], new_mean = end.mean[0];
+    CHECK(end.displacement[0] == Approx(1.0 + h * 0.25 + h * h * ((0.5 - s.beta) * mean + s.beta * new_mean)));
+    CHECK(end.velocity[0] == Approx(0.25 + h * ((1.0 - s.gamma) * mean + s.gamma * new_mean)));
+    CHECK((1.0 - s.alpha_f) * end.acceleration[0] + s.alpha_f * start.acceleration[0] ==
+          Approx((1.0 - s.alpha_m) * new_mean + s.alpha_m * mean));
+    CHECK(end.velocity[1] == Approx(0.5 / h)); // without mass: the mean of the step
+    CHECK((end.acceleration[1] == 0.0 && end.mean[1] == 0.0));
+    CHECK((end.velocity[2] == 7.0 && end.acceleration[2] == -3.0));
+
+    const Motion falling{{1.0, 0.0, 0.0}, {0.25, 0.0, 0.0}, {-9.0, 0.0, 0.0}, {-9.0, 0.0, 0.0}};
+    const StepMotion fall(s, h, falling, massless, fixed, prescribed);
+    const Motion landed = fall.end(fall.predictor());
+    CHECK(landed.displacement[0] == Approx(1.0 + 0.25 * h - 4.5 * h * h));
+    CHECK(landed.velocity[0] == Approx(0.25 - 9.0 * h));
+    CHECK((landed.acceleration[0] == Approx(-9.0) && landed.mean[0] == Approx(-9.0)));
+  }
 }

@@ -87,26 +87,6 @@ class RunHistory(Described):
         """Forget all rows; the next row is the new reference of the drift."""
         self._cpp_object.begin_anew()
 
-    def resume(self, total_start: float | None, largest: float) -> None:
-        """Forget all rows and set the reference of the drift to that of a checkpoint.
-
-        Args:
-            total_start: total energy at the start of the run; None if there is none [F L].
-            largest: largest sum of absolute values of the energies so far [F L].
-        """
-        self._cpp_object.resume(total_start, largest)
-
-    @property
-    def total_start(self) -> float | None:
-        """Total energy at the start, the reference of the drift; None before the first row [F L]."""
-        start: float | None = self._cpp_object.total_start
-        return start
-
-    @property
-    def largest(self) -> float:
-        """Largest sum of absolute values of the energies so far, the scale of the drift [F L]."""
-        return float(self._cpp_object.largest)
-
     def drift(self, values: Energies) -> float:
         """Relative change of the total energy since the start.
 

@@ -82,11 +82,6 @@ class QuadraturePenalty(StaticContactView):
         return self._state_array("displacement")
 
     @property
-    def start_displacement(self) -> FloatArray:
-        """Displacement of a rigid master at the beginning of the present increment, (3) [L]."""
-        return self._state_array("start_displacement")
-
-    @property
     def convex(self) -> bool:
         """Whether `tangent` returns the positive semi-definite part of the tangent only."""
         return bool(self._cpp_object.convex)
