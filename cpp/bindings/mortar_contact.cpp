@@ -64,6 +64,8 @@ void bind_state(nb::class_<Contact, MultiplierContact>& c)
       .def_prop_rw("multiplier", get(&MortarState::multiplier), set(&MortarState::multiplier), "(n) [F/L^2]")
       .def_prop_rw("friction_traction", get_vectors(&MortarState::friction_traction),
                    set(&MortarState::friction_traction))
+      .def_prop_rw("traction_n", get_vectors(&MortarState::traction_n), set(&MortarState::traction_n))
+      .def_prop_rw("total_slip", get_vectors(&MortarState::total_slip), set(&MortarState::total_slip))
       .def_prop_rw(
           "opening",
           [](const Contact& c)
@@ -170,7 +172,8 @@ void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
       .def_prop_ro("friction", &Contact::friction, "The largest coefficient that acts at a node [1]")
       .def_prop_ro(
           "usable", [](const Contact& c) { return mask(c.usable()); },
-          "Nodes that carry a multiplier and may be moved along the normal, (n)");
+          "Nodes that carry a multiplier and may be moved along the normal, (n)")
+      .def_prop_ro("nodal_stiffness", [](const Contact& c) { return array(c.nodal_stiffness()); }, "(n) [F/L]");
   bind_state(c);
   bind_linear_problems(c);
 }

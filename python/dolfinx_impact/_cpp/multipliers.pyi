@@ -143,6 +143,10 @@ class MortarContact(dolfinx_impact._cpp.enforcement.MultiplierContact):
     def usable(self) -> NDArray[numpy.bool_]:
         """Nodes that carry a multiplier and may be moved along the normal, (n)"""
 
+    @property
+    def nodal_stiffness(self) -> NDArray[numpy.float64]:
+        """(n) [F/L]"""
+
     def state(self) -> dolfinx_impact._cpp.state.State:
         """What an increment starts from, views"""
 
@@ -172,6 +176,14 @@ class MortarContact(dolfinx_impact._cpp.enforcement.MultiplierContact):
     def friction_traction(self) -> NDArray[numpy.float64]: ...
     @friction_traction.setter
     def friction_traction(self, arg: NDArray[numpy.floating[Any]], /) -> None: ...
+    @property
+    def traction_n(self) -> NDArray[numpy.float64]: ...
+    @traction_n.setter
+    def traction_n(self, arg: NDArray[numpy.floating[Any]], /) -> None: ...
+    @property
+    def total_slip(self) -> NDArray[numpy.float64]: ...
+    @total_slip.setter
+    def total_slip(self, arg: NDArray[numpy.floating[Any]], /) -> None: ...
     @property
     def opening(self) -> NDArray[numpy.float64] | None:
         """

@@ -134,6 +134,11 @@ class LagrangeContact(StaticContactView):
         self._cpp_object.sliding = value
 
     @property
+    def direction(self) -> FloatArray:
+        """Directions of the friction traction of slipping nodes, unit vectors, (n, gdim) [1]."""
+        return self._cpp_object.direction
+
+    @property
     def multiplier(self) -> FloatArray:
         """Multipliers, (n) [F/L^2]."""
         return self._cpp_object.multiplier
@@ -146,6 +151,20 @@ class LagrangeContact(StaticContactView):
     def friction_traction(self) -> FloatArray:
         """Friction tractions, (n, gdim) [F/L^2]."""
         return self._cpp_object.friction_traction
+
+    @friction_traction.setter
+    def friction_traction(self, value: FloatArray) -> None:
+        self._cpp_object.friction_traction = np.asarray(value, dtype=np.float64)
+
+    @property
+    def traction_n(self) -> FloatArray:
+        """Friction tractions of the last converged state, (n, gdim) [F/L^2]."""
+        return self._cpp_object.traction_n
+
+    @property
+    def total_slip(self) -> FloatArray:
+        """Slip since a node last stuck, (n, gdim) [L]."""
+        return self._cpp_object.total_slip
 
     @property
     def opening(self) -> FloatArray | None:
@@ -169,6 +188,11 @@ class LagrangeContact(StaticContactView):
     def usable(self) -> BoolArray:
         """Mask of nodes that carry a multiplier and may be moved along the normal, (n)."""
         return self._cpp_object.usable
+
+    @property
+    def nodal_stiffness(self) -> FloatArray:
+        """Stiffness of the bodies at the nodes, (n) [F/L]."""
+        return self._cpp_object.nodal_stiffness
 
     @property
     def numbers(self) -> IntArray:
