@@ -93,7 +93,7 @@ TEST_CASE("facets move with their displacement, whatever the degrees of geometry
   // The arc y = x (2 - x) / 4 from (0, 0) to (2, 0), or its chord; nodes of an interval: both ends, then the middle.
   const std::vector<double> arc{0.0, 0.0, 2.0, 0.0, 1.0, 0.25};
   for (int geometry : {1, 2})
-    for (int field : {1, 2})
+    for (int field = 1; field <= geometry; ++field) // make_surface takes no lower degree for the geometry
     {
       Facets facets;
       facets.gdim = 2;
