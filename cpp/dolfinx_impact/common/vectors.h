@@ -32,12 +32,16 @@ std::vector<T> copy_of(std::span<const T> values)
   return {values.begin(), values.end()};
 }
 
-/// Largest modulus of some numbers; zero without any.
+/// Largest modulus of some numbers; zero without any, nan if one is nan.
 inline double largest_modulus(std::span<const double> values)
 {
   double out = 0.0;
   for (double value : values)
+  {
+    if (std::isnan(value))
+      return value;
     out = std::max(out, std::abs(value));
+  }
   return out;
 }
 } // namespace common
