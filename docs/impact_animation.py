@@ -97,7 +97,9 @@ def frames(numbers=range(FRAMES)):
     for frame in range(FRAMES):
         problem.advance(frame * STEP, progress=False)
         if frame in numbers:
-            yield picture(problem)
+            with plt.style.context("default"):  # whatever the process drew before
+                image = picture(problem)
+            yield image
     assert abs(problem.energy["drift"]) < 0.002, "the picture on the start page must be right"
 
 

@@ -25,6 +25,7 @@ import basix.ufl
 import ufl
 
 from . import elasticity
+from .compat import cell_name
 from .materials import Law, gradient, weight
 from .point_law import PointLaw
 
@@ -317,7 +318,7 @@ class Symbols:
     """
 
     def __init__(self, response: PointResponse, mesh: Any, degree: int) -> None:
-        cell = mesh.ufl_cell().cellname()
+        cell = cell_name(mesh.ufl_cell())
 
         def symbol(shape: tuple[int, ...]) -> ufl.Coefficient:
             return ufl.Coefficient(ufl.FunctionSpace(mesh, quadrature_element(cell, shape, degree)))

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/kernels/constants.h>
 #include <dolfinx_impact/operators/InternalForce.h>
@@ -74,7 +75,7 @@ bool run()
 
   const operators::InternalForce energy(mesh, nullptr, integrals("foam.energy", cells), {{"u", u}});
   operators::InternalForce stress(mesh, V, integrals("foam.stress", cells), {{"u", u}});
-  stress.assemble(f.mutable_array());
+  stress.assemble(dolfinx_impact::common::array(f));
   const auto& points = *stress.history(0);
   const std::vector<double> components = points.values(points.find("stress"), true); // xx, yy, zz, xy, yz, xz
   double sums[3] = {pulls[1], energy.value(), pulls[0] + pulls[1]}, axial = components.empty() ? 0.0 : components[0];

@@ -12,6 +12,7 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
@@ -60,7 +61,7 @@ bool run()
   std::array<double, 3> force[2]; // on the block, of both steps
   for (int step = 0; step < 2; ++step)
   {
-    std::span<double> moved = top->x()->mutable_array();
+    std::span<double> moved = dolfinx_impact::common::array(*top->x());
     for (std::size_t i = 0; i < moved.size(); ++i)
       moved[i] = i % 2 ? -pressed : step * 0.5 * height;
     problem.solve();

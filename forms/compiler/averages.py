@@ -23,6 +23,7 @@ from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
 
 from ..cell_maximum import CellMax, check_derivatives
+from ..compat import cell_name
 
 
 class WithoutVariables(MultiFunction):
@@ -116,7 +117,7 @@ class Averages:
 
     def placeholder(self, shape):
         """A new coefficient that is constant in a cell."""
-        element = basix.ufl.element("DG", self.mesh.ufl_cell().cellname(), 0, shape=shape)
+        element = basix.ufl.element("DG", cell_name(self.mesh.ufl_cell()), 0, shape=shape)
         return ufl.Coefficient(ufl.FunctionSpace(self.mesh, element))
 
     def of(self, operand, maximum=False):

@@ -10,6 +10,7 @@ from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
 
+from ..compat import cell_name, topological_dimension
 from .words import find, in_words
 
 
@@ -57,7 +58,7 @@ def check_sizes(name, form):
             raise ValueError(f"{name}: {in_words(average)} is not supported, ufl.cell_avg in integrals over dx is")
         if domain.is_piecewise_linear_simplex_domain():
             continue
-        cell, degree = domain.ufl_cell().cellname(), geometry_degree(domain)
+        cell, degree = cell_name(domain.ufl_cell()), geometry_degree(domain)
         for o in unique_pre_traversal(integral.integrand()):
             unknown = isinstance(o, ufl.classes.FacetArea) and not has_straight_edges(domain)
             if unknown or (degree > 1 and isinstance(o, LENGTHS)):
@@ -80,7 +81,7 @@ def check_sizes(name, form):
 
 def has_straight_edges(domain):
     """Are the facets of a mesh straight edges?"""
-    return domain.ufl_cell().topological_dimension() == 2 and geometry_degree(domain) == 1
+    return topological_dimension(domain.ufl_cell()) == 2 and geometry_degree(domain) == 1
 
 
 def geometry_degree(domain):

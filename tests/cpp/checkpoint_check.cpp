@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
@@ -56,8 +57,8 @@ struct Block
   {
     for (std::size_t i = 0; i < v->x()->array().size(); i += 2)
     {
-      v->x()->mutable_array()[i] = vx;
-      v->x()->mutable_array()[i + 1] = vy;
+      dolfinx_impact::common::array(*v->x())[i] = vx;
+      dolfinx_impact::common::array(*v->x())[i + 1] = vy;
     }
   }
   double norm() const
@@ -103,7 +104,7 @@ struct Run
     const auto press = [&](double by)
     {
       for (std::size_t i = 1; i < top->x()->array().size(); i += 2)
-        top->x()->mutable_array()[i] = -by;
+        dolfinx_impact::common::array(*top->x())[i] = -by;
     };
     const problems::BoundaryConditions bcs{
         std::make_shared<fem::DirichletBC<double>>(top, fem::locate_dofs_geometrical(*b.V, Block::at(2.0)))};

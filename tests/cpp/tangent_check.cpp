@@ -8,6 +8,7 @@
 #include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
 #include <dolfinx_impact/operators/KernelTangent.h>
@@ -95,7 +96,7 @@ void checks()
   auto at = [&](double s)
   {
     for (std::size_t i = 0; i < u->x()->array().size(); ++i)
-      u->x()->mutable_array()[i] = start->x()->array()[i] + s * d->x()->array()[i];
+      dolfinx_impact::common::array(*u->x())[i] = start->x()->array()[i] + s * d->x()->array()[i];
   };
   auto total = [](double x)
   {

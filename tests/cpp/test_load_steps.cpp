@@ -5,6 +5,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/solve/FunctionBody.h>
 #include <dolfinx_impact/solve/LoadSteps.h>
 #include <memory>
@@ -44,7 +45,7 @@ struct Stretched
     solve::LoadSteps steps(problem, target, {{load, reached}}, {});
     const auto solver = [&](std::span<const double> prescribed)
     {
-      std::span<double> u = problem->u->x()->mutable_array();
+      std::span<double> u = dolfinx_impact::common::array(*problem->u->x());
       solve::Increment out;
       out.iterations = 2;
       seen.push_back(load[1]);
@@ -107,7 +108,7 @@ TEST_CASE("the solver's exceptions pass through, and the problem is where the la
   int calls = 0;
   const auto solver = [&](std::span<const double> prescribed) -> solve::Increment
   {
-    std::ranges::copy(prescribed, model.problem->u->x()->mutable_array().begin());
+    std::ranges::copy(prescribed, dolfinx_impact::common::array(*model.problem->u->x()).begin());
     if (++calls == 3)
       throw std::domain_error("stop");
     return solve::Increment().converged();

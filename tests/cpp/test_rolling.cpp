@@ -11,6 +11,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/operators/petsc_check.h>
 #include <dolfinx_impact/problems/KernelBody.h>
@@ -196,9 +197,9 @@ TEST_CASE("the tangent of a body that spins is the derivative of its residual", 
   for (double rate : {0.2, 1.5}) // the matrix is that of the present rate
   {
     s.omega->value[0] = rate;
-    std::ranges::fill(s.u->x()->mutable_array(), 0.0);
+    std::ranges::fill(dolfinx_impact::common::array(*s.u->x()), 0.0);
     const std::vector<double> before = s.residual();
-    std::ranges::copy(way, s.u->x()->mutable_array().begin());
+    std::ranges::copy(way, dolfinx_impact::common::array(*s.u->x()).begin());
     const std::vector<double> after = s.residual();
     {
       operators::Entries values(x.get());
