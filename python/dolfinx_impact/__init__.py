@@ -6,12 +6,11 @@ operators, lumped mass), contact, statics, dynamics, io. `dolfinx_impact.forms` 
 closed-form solutions, and `verify`, a package beside this one, compares it with the hand-written solver.
 """
 
-from . import compat  # first: it refuses a DOLFINx that this package was not tried on
+from .compat import model_to_mesh  # first: it refuses a DOLFINx that this package was not tried on
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
 from .common.lone_error import abort_at_exit
 from .common.moved_packages import find_moved_modules
-from .compat import model_to_mesh
 from .common.units import MILLIMETRES, SI, Units
 from .common.visible_warnings import undo_capture
 from .contact import (
@@ -96,7 +95,6 @@ __all__ = [
     "cache_folder",
     "cell_max",
     "check_mesh",
-    "compat",
     "compile_expression",
     "compile_form",
     "forms",
