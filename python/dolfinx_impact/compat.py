@@ -5,7 +5,6 @@ No other file of Python asks which release is installed, or uses what only some 
 that. Its counterpart in C++ is common/dolfinx_api.h.
 """
 
-import importlib.metadata
 import importlib.util
 import re
 from types import SimpleNamespace
@@ -27,16 +26,16 @@ def installed() -> str:
 
 def versions() -> dict[str, str]:
     """Versions of DOLFINx and of the libraries that come with it, by name; "unknown" where one does not say."""
+    import importlib.metadata
+
+    import basix
+    import ffcx
 
     def of(name: str, module: Any) -> str:
         try:
             return importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             return str(getattr(module, "__version__", "unknown"))
-
-    import basix
-    import ffcx
-    import ufl
 
     libraries = {"ffcx": ffcx, "basix": basix, "ufl": ufl}
     return {"dolfinx": installed()} | {name: of(f"fenics-{name}", module) for name, module in libraries.items()}
