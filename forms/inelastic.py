@@ -25,7 +25,6 @@ import basix.ufl
 import ufl
 
 from . import elasticity
-from .compat import cell_name
 from .materials import Law, gradient, weight
 from .point_law import PointLaw
 
@@ -318,7 +317,7 @@ class Symbols:
     """
 
     def __init__(self, response: PointResponse, mesh: Any, degree: int) -> None:
-        cell = cell_name(mesh.ufl_cell())
+        cell = str(mesh.ufl_cell())
 
         def symbol(shape: tuple[int, ...]) -> ufl.Coefficient:
             return ufl.Coefficient(ufl.FunctionSpace(mesh, quadrature_element(cell, shape, degree)))

@@ -23,7 +23,6 @@ from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
 
 from ..cell_maximum import CellMax, check_derivatives
-from ..compat import cell_name
 
 
 class WithoutVariables(MultiFunction):
@@ -117,7 +116,7 @@ class Averages:
 
     def placeholder(self, shape):
         """A new coefficient that is constant in a cell."""
-        element = basix.ufl.element("DG", cell_name(self.mesh.ufl_cell()), 0, shape=shape)
+        element = basix.ufl.element("DG", str(self.mesh.ufl_cell()), 0, shape=shape)
         return ufl.Coefficient(ufl.FunctionSpace(self.mesh, element))
 
     def of(self, operand, maximum=False):

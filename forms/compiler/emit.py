@@ -10,9 +10,9 @@ import basix
 import ffcx.codegeneration.lnodes as L
 import numpy as np
 
-from ..compat import integrands
 from .cxx import AnyLane, CxxFormatter, LocalSolve
 from .frontend import _kind
+from .integrands import integrands
 from .kernel import KernelWriter, decoded
 
 # Part of every signature and cache key: raised when generated code changes its meaning or its interface.

@@ -18,9 +18,9 @@ from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 
-from ..compat import integrands
 from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
+from .integrands import integrands
 from .geometry import check_sizes, with_sizes
 from .stress_form import by_test_gradient
 

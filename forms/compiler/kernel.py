@@ -13,11 +13,11 @@ import ffcx.codegeneration.lnodes as L
 import numpy as np
 import ufl
 
-from ..compat import integrands
 from . import algebra as alg
 from . import geometry, tensor
 from .arguments import ElementTensor
 from .collect import collect
+from .integrands import integrands
 from .local import LocalPart
 from .schedule import Schedule
 from .sumfactorisation import evaluate_field
