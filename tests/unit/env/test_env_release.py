@@ -53,6 +53,15 @@ def test_inside_the_environment_the_release_was_chosen(make):
     assert make("-n", "test-here", "RELEASE=0.11", IMPACT_ROUTE="root", IMPACT_CACHE="/nowhere").returncode == 0
 
 
+def test_types_are_checked_with_debian_s_dolfinx_alone(sandbox, make):
+    sandbox.stub("python3", 'echo "python3 $*" >>"$CALLS"')
+    done = make("types-here", IMPACT_DOLFINX="/opt/dolfinx-0.11")
+    assert done.returncode == 0 and "types are checked with DOLFINx 0.9 alone" in done.stderr
+    assert sandbox.calls("python3") == []
+    assert make("types-here").returncode == 0
+    assert any("-m mypy" in call for call in sandbox.calls("python3"))
+
+
 @pytest.fixture
 def sources(tmp_path):
     """Folders that look like those of DOLFINx 0.11 and what it needs."""
