@@ -123,14 +123,17 @@ basix_library() { cmake_install "$build/sources/basix/cpp" basix; }
 
 basix_python() { pip_install --config-settings=build-dir="$build/basix_python" "$build/sources/basix/python"; }
 
+# Several sources are compiled as one: their common headers are most of the work.
 dolfinx_library() {
   cmake_install "$build/sources/dolfinx/cpp" dolfinx -DDOLFINX_BASIX_PYTHON=OFF -DDOLFINX_ENABLE_PETSC=ON \
     -DDOLFINX_ENABLE_SLEPC=ON -DDOLFINX_ENABLE_SCOTCH=ON -DDOLFINX_ENABLE_ADIOS2=ON -DDOLFINX_ENABLE_PARMETIS=OFF \
-    -DDOLFINX_ENABLE_KAHIP=OFF -DDOLFINX_ENABLE_SUPERLU_DIST=OFF
+    -DDOLFINX_ENABLE_KAHIP=OFF -DDOLFINX_ENABLE_SUPERLU_DIST=OFF \
+    -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8
 }
 
 dolfinx_python() {
-  pip_install --config-settings=build-dir="$build/dolfinx_python" "$build/sources/dolfinx/python"
+  pip_install --config-settings=build-dir="$build/dolfinx_python" --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON \
+    --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=3 "$build/sources/dolfinx/python"
   # Debian's library of PETSc has another name.
   sed -i 's/"libpetsc\.dylib"/"libpetsc_real.so"/' "$prefix"/lib/python3.*/site-packages/dolfinx/fem/petsc.py
 }
