@@ -20,8 +20,8 @@ from ufl.corealg.multifunction import MultiFunction
 
 from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
-from .integrands import integrands
 from .geometry import check_sizes, with_sizes
+from .integrands import integrands
 from .stress_form import by_test_gradient
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
