@@ -5,6 +5,19 @@ RUN := env/run
 DEMO ?= rail_joint
 PYTEST ?= python3 -m pytest
 
+# RELEASE=0.11: another DOLFINx than Debian's 0.9, from where env/build_dolfinx.sh has installed it. Inside the
+# environment, where IMPACT_ROUTE is set, it was chosen already.
+ifneq ($(filter-out 0.9,$(RELEASE)),)
+ifndef IMPACT_ROUTE
+cache := $(or $(IMPACT_CACHE),$(or $(XDG_CACHE_HOME),$(HOME)/.cache)/dolfinx_impact)
+export IMPACT_DOLFINX := $(if $(filter /%,$(cache)),,$(CURDIR)/)$(cache)/dolfinx-$(RELEASE)
+ifneq ($(shell test -d "$(IMPACT_DOLFINX)" || echo missing),)
+$(error DOLFINx $(RELEASE) is not there: build it by 'env/run --no-build env/build_dolfinx.sh $(RELEASE) \
+  "$(IMPACT_DOLFINX)" SOURCES', where SOURCES has basix, ffcx, ufl and dolfinx)
+endif
+endif
+endif
+
 .DEFAULT_GOAL := help
 # What is measured: the commit, and whether sources differ from it.
 COMMIT = $(shell git rev-parse --short=8 HEAD)$(shell git diff --quiet HEAD -- . ':!docs' || echo ' (changed)')
@@ -85,9 +98,11 @@ tree-here:
 	@$(PYTEST) -q tests/architecture/test_tree.py
 
 # The first check of a checkout takes a minute; it begins with what one of another checkout left in the environment's
-# cache. There mypy must compare the contents of each file: time and size alone may agree by chance.
+# cache. There mypy must compare the contents of each file: time and size alone may agree by chance. Other releases of
+# DOLFINx and UFL declare other types than 0.9.
 types-here:
-	@if ! python3 -c 'import mypy' 2>/dev/null; then echo "lint: mypy is not installed: types are not checked" >&2; exit; fi; \
+	@if [ -n "$$IMPACT_DOLFINX" ]; then echo "lint: types are checked with DOLFINx 0.9 alone" >&2; exit; fi; \
+	if ! python3 -c 'import mypy' 2>/dev/null; then echo "lint: mypy is not installed: types are not checked" >&2; exit; fi; \
 	kept=$${IMPACT_CACHE:+$$IMPACT_CACHE/types} first=; \
 	if [ -n "$$kept" ] && [ ! -d build/mypy ]; then \
 	  first=yes; mkdir -p build; \
@@ -129,7 +144,7 @@ docs-here:
 	@echo "docs: build/site/index.html"
 
 # A build folder of its own. What Open MPI and the other libraries keep until the process ends is not ours to free.
-SANITIZE := build/sanitize
+SANITIZE := build/sanitize$(RELEASE:%=-%)
 sanitize-here:
 	cmake -S cpp -B $(SANITIZE) -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=OFF -DIMPACT_SANITIZE=address,undefined \
 	  -DCMAKE_INSTALL_PREFIX=$(CURDIR)/$(SANITIZE)/install
@@ -146,7 +161,7 @@ sanitize-here:
 
 # An install of its own, whose Python counts lines in every process that the tests start, and whose C++ library does. What
 # fails does not keep the others from being counted.
-COVERAGE := build/coverage
+COVERAGE := build/coverage$(RELEASE:%=-%)
 COVERED := COVERAGE_PROCESS_START=$(CURDIR)/pyproject.toml COVERAGE_FILE=$(CURDIR)/$(COVERAGE)/data/python
 coverage-here:
 	rm -rf $(COVERAGE)/data results/coverage && mkdir -p $(COVERAGE)/data results/coverage
@@ -161,12 +176,13 @@ coverage-here:
 	gcovr --root . --add-tracefile results/coverage/cpp.json --html-nested results/coverage/cpp.html && \
 	python3 tests/never_run.py results/coverage/python.json results/coverage/cpp.json results/coverage && exit $$status
 
+TIDY := build/tidy$(RELEASE:%=-%)
 FILES ?= $(shell find cpp/dolfinx_impact cpp/reference -name '*.cpp' | sort)
 tidy-here:
 	@command -v clang-tidy-19 >/dev/null || { echo "tidy: clang-tidy-19 is not installed" >&2; exit 1; }
-	cmake -S cpp -B build/tidy -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=ON \
+	cmake -S cpp -B $(TIDY) -G Ninja -DCMAKE_BUILD_TYPE=Release -DIMPACT_PYTHON=ON \
 	  -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >/dev/null # each file includes what it uses
 	headers="$$(python3 -c 'import sysconfig; print(sysconfig.get_path("include"))') $$(python3 -m nanobind --include_dir)"; \
 	for folder in $$headers; do extra="$$extra --extra-arg=-isystem$$folder"; done; \
-	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p build/tidy --quiet $$extra
+	printf '%s\n' $(FILES) | xargs -P2 -n1 clang-tidy-19 -p $(TIDY) --quiet $$extra
 	@echo "tidy: nothing found"

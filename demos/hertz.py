@@ -10,7 +10,6 @@ import gmsh
 import matplotlib.pyplot as plt
 import numpy as np
 from dolfinx import fem, mesh
-from dolfinx.io import gmshio
 from mpi4py import MPI
 
 import dolfinx_impact as di
@@ -38,7 +37,7 @@ if comm.rank == 0:
         gmsh.model.mesh.field.setNumber(ball, name, value)
     gmsh.model.mesh.field.setAsBackgroundMesh(ball)
     gmsh.model.mesh.generate(2)
-domain = gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=2)[0]
+domain = di.model_to_mesh(gmsh.model, comm, gdim=2).mesh
 gmsh.finalize()
 surfaces = {
     1: lambda x: np.abs(np.hypot(x[0], x[1] - R) - R) < 1e-9,  # slave

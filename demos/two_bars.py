@@ -29,7 +29,7 @@ points = np.column_stack([np.repeat(x, 2), np.tile([0.0, h], len(x))])
 cells = 2 * np.delete(np.arange(len(x) - 1), n1)[:, None] + np.array([0, 2, 1, 3])
 if comm.rank > 0:
     points, cells = points[:0], cells[:0]
-bars = mesh.create_mesh(comm, cells, points, basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
+bars = mesh.create_mesh(comm, cells, x=points, e=basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
 
 # Cell tags are for the materials, 1 for the striker and 2 for the target. Facet tags are for the contact, 3 for the
 # slave and 4 for the master.

@@ -62,7 +62,7 @@ time = (0.3 - middle) / c[1]
 problem.advance(time, progress=False)
 modulus, stress = fem.Function(W), fem.Function(W)
 modulus.x.array[:] = np.where(tags == 2, E[2], E[1])
-stress.interpolate(fem.Expression(modulus * strain[0, 0], W.element.interpolation_points()))
+stress.interpolate(fem.Expression(modulus * strain[0, 0], W.element.basix_element.points))
 owned = bars.topology.index_map(2).size_local
 centres = mesh.compute_midpoints(bars, 2, np.arange(owned, dtype=np.int32))[:, 0]
 parts = comm.allgather((centres, stress.x.array[:owned]))

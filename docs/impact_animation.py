@@ -45,7 +45,7 @@ def ring_on_beam(around=72, through=6, along=60, up=4):
         cells.append(np.stack([*corners, corners[0] + width, corners[1] + width], axis=2).reshape(-1, 4))
     points = np.concatenate([ring.reshape(-1, 2), beam.reshape(-1, 2)])
     element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
-    domain = mesh.create_mesh(MPI.COMM_SELF, np.concatenate(cells).astype(np.int64), points, ufl.Mesh(element))
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.concatenate(cells).astype(np.int64), x=points, e=ufl.Mesh(element))
     middles = mesh.compute_midpoints(domain, 2, np.arange(sum(map(len, cells)), dtype=np.int32))
     cell_tags = mesh.meshtags(
         domain, 2, np.arange(len(middles), dtype=np.int32), np.where(middles[:, 1] > 0, RING, BEAM).astype(np.int32)
@@ -97,7 +97,9 @@ def frames(numbers=range(FRAMES)):
     for frame in range(FRAMES):
         problem.advance(frame * STEP, progress=False)
         if frame in numbers:
-            yield picture(problem)
+            with plt.style.context("default"):  # whatever the process drew before
+                image = picture(problem)
+            yield image
     assert abs(problem.energy["drift"]) < 0.002, "the picture on the start page must be right"
 
 

@@ -317,7 +317,7 @@ class Symbols:
     """
 
     def __init__(self, response: PointResponse, mesh: Any, degree: int) -> None:
-        cell = mesh.ufl_cell().cellname()
+        cell = str(mesh.ufl_cell())
 
         def symbol(shape: tuple[int, ...]) -> ufl.Coefficient:
             return ufl.Coefficient(ufl.FunctionSpace(mesh, quadrature_element(cell, shape, degree)))

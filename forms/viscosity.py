@@ -20,7 +20,7 @@ def bulk(u, velocity, v, law, density, linear, quadratic, dx=ufl.dx):
         linear, quadratic: factors [1].
     """
     mesh = ufl.domain.extract_unique_domain(velocity)
-    length = abs(ufl.JacobianDeterminant(mesh)) ** (1.0 / mesh.geometric_dimension())
+    length = abs(ufl.JacobianDeterminant(mesh)) ** (1.0 / len(ufl.SpatialCoordinate(mesh)))
     rates, test = law.gradient(velocity), law.gradient(v)
     if law.linear:
         rate, virtual = ufl.tr(rates), ufl.tr(test)

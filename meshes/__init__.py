@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
+from dolfinx_impact import compat
 from . import (
     bars, blocks, hertz, indenters, insulated_joint, rail_joint, rolling_contact, weighted_partition, wheel_rail,
 )  # fmt: skip
@@ -81,17 +82,15 @@ def make(name, comm=MPI.COMM_WORLD, cell=None, degree=1, partitioner=None, weigh
     ghost cells); all other parameters are those of the recipe.
     A bad parameter raises ValueError, a mesh gmsh cannot make RuntimeError, on every rank.
     """
-    from dolfinx.io import gmshio
-
     plan, cell, used = layout(name, cell, degree, **parameters)
     require(weight is None or partitioner is None, "give a weight or a partitioner, not both")
 
     def distribute(model):
         nonlocal partitioner
         if weight is not None and comm.size > 1:
-            x = gmshio.extract_geometry(model) if comm.rank == 0 else np.zeros((0, 3))
+            x = compat.gmsh_nodes(model) if comm.rank == 0 else np.zeros((0, 3))
             partitioner = weighted_partition.partitioner(x, weight)
-        return gmshio.model_to_mesh(model, comm, 0, gdim=plan.dim, partitioner=partitioner)
+        return compat.model_to_mesh(model, comm, 0, gdim=plan.dim, partitioner=partitioner)
 
     mesh, cell_tags, facet_tags = _on_rank_0(comm, name, plan, cell, degree, distribute)
     mesh.name, cell_tags.name, facet_tags.name = name, "cell_tags", "facet_tags"

@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 import numpy as np
 
+from dolfinx_impact import compat
 from . import make
 
 COLOURS = ["#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#d9d9d9", "#fff7a8"]  # by body number
@@ -56,7 +57,7 @@ def grid(made):
 
     mesh = made.mesh
     kind, count = mesh.topology.cell_name(), mesh.topology.index_map(mesh.topology.dim).size_local
-    corners = mesh.geometry.dofmap[:count][:, _ORDER.get(kind, range(mesh.topology.dim + 1))]
+    corners = compat.geometry_dofmap(mesh)[:count][:, _ORDER.get(kind, range(mesh.topology.dim + 1))]
     cells = np.hstack([np.full((count, 1), corners.shape[1]), corners]).ravel()
     out = pyvista.UnstructuredGrid(cells, np.full(count, _VTK[kind], dtype=np.uint8), mesh.geometry.x)
     body = np.zeros(count)

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from dolfinx_impact import compat
+
 
 def bisect(points, weights, num_parts):
     """Part of each point: cut across the longest side of the box around them until there are enough parts.
@@ -32,12 +34,11 @@ def partitioner(x, weight):
 
     x: nodes on that rank, (n, 3); weight: function of the midpoints of cells, (n, 3) -> (n). No ghost cells.
     """
-    from dolfinx.graph import adjacencylist
 
     def part(comm, num_parts, cell_types, cells):
         corners = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}[cell_types[0].name]
         middles = x[np.asarray(cells[0]).reshape(-1, corners)].mean(axis=1).reshape(-1, 3)
         found = bisect(middles, np.asarray(weight(middles), dtype=float), num_parts)
-        return adjacencylist(found, np.arange(len(found) + 1, dtype=np.int32))
+        return compat.adjacencylist(found, np.arange(len(found) + 1, dtype=np.int32))
 
     return part

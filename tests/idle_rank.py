@@ -8,7 +8,7 @@ makes on several ranks and whatever partitioner it names.
 import os
 
 import numpy as np
-from dolfinx import cpp, graph
+from dolfinx import cpp
 
 VARIABLE = "IMPACT_IDLE_RANK"
 MAKERS = ("create_mesh", "create_interval_float64", "create_rectangle_float64", "create_box_float64")
@@ -16,6 +16,8 @@ MAKERS = ("create_mesh", "create_interval_float64", "create_rectangle_float64", 
 
 def without(idle, partitioner):
     """A partitioner whose parts are those of another one, but that of the idle rank goes to the next rank."""
+
+    from dolfinx_impact import compat
 
     def partition(comm, num_ranks, cell_types, cells):
         found = partitioner(comm, num_ranks, cell_types, cells)
@@ -26,7 +28,7 @@ def without(idle, partitioner):
         array = np.where(array == rank, (rank + 1) % num_ranks, array).astype(np.int32)
         rows = [list(dict.fromkeys(row.tolist())) for row in np.split(array, offsets[1:-1])] if len(offsets) > 1 else []
         ends = np.cumsum([0, *map(len, rows)], dtype=np.int32)
-        return graph.adjacencylist(np.array([r for row in rows for r in row], dtype=np.int32), ends)
+        return compat.adjacencylist(np.array([r for row in rows for r in row], dtype=np.int32), ends)
 
     return partition
 

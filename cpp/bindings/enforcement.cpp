@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "casters.h"
 #include "dolfinx_impact/enforcement/ContactTotals.h"
 #include "dolfinx_impact/enforcement/StaticContact.h"
 #include <algorithm>
-#include <caster_mpi.h>
-#include <caster_petsc.h>
 
 using namespace dolfinx_impact::enforcement;
 

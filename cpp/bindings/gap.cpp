@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "casters.h"
 #include "dolfinx_impact/gap/InitialPenetration.h"
 #include "dolfinx_impact/gap/crossing.h"
 #include "dolfinx_impact/gap/obstacle_side.h"
-#include <caster_mpi.h>
 
 using namespace dolfinx_impact::gap;
 using dolfinx_impact::surface::Facets;

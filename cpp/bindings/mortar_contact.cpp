@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "casters.h"
 #include "dolfinx_impact/enforcement/mortar/MortarContact.h"
 #include "masks.h"
-#include <caster_petsc.h>
 #include <nanobind/stl/optional.h>
 
 using namespace dolfinx_impact::enforcement;

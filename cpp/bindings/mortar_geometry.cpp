@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "casters.h"
 #include "dolfinx_impact/enforcement/mortar/DeformableGeometry.h"
 #include "dolfinx_impact/enforcement/mortar/RigidGeometry.h"
 #include "masks.h"
-#include <caster_petsc.h>
 #include <nanobind/stl/optional.h>
 
 using namespace dolfinx_impact::enforcement;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "casters.h"
 #include "dolfinx_impact/enforcement/mortar/Condensation.h"
 #include "dolfinx_impact/enforcement/mortar/SaddlePoint.h"
 #include "dolfinx_impact/gap/MortarIntegrals.h"
 #include "masks.h"
 #include "petsc_objects.h"
-#include <caster_mpi.h>
 
 using namespace dolfinx_impact::enforcement;
 using namespace dolfinx_impact::gap;

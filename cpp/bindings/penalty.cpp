@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "dolfinx_impact/enforcement/penalty/penalty.h"
 #include "arrays.h"
+#include "casters.h"
 #include "dolfinx_impact/enforcement/penalty/QuadraturePenalty.h"
 #include <algorithm>
-#include <caster_mpi.h>
-#include <caster_petsc.h>
 
 using namespace dolfinx_impact::enforcement;
 using dolfinx_impact::gap::Points;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 // PETSc's objects in and out, where nanobind's arguments do not do.
+#include "casters.h"
 #include "module.h"
-#include <caster_petsc.h>
 #include <vector>
 
 namespace dolfinx_impact::bindings

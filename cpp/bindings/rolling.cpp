@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
+#include "casters.h"
 #include "dolfinx_impact/problems/RollingProblem.h"
 #include "dolfinx_impact/rolling/RollingContact.h"
 #include "masks.h"
-#include <caster_petsc.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "PythonContact.h"
+#include "casters.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/solve/FunctionBody.h"
 #include "dolfinx_impact/solve/Increment.h"
@@ -13,7 +14,6 @@
 #include "masks.h"
 #include "petsc_objects.h"
 #include <algorithm>
-#include <caster_mpi.h>
 #include <nanobind/stl/complex.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>

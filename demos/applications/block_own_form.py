@@ -8,7 +8,7 @@
 #
 # which behaves like Poisson's ratio 1/4 at small strain. Its residual is compiled at run time into a C++ kernel that
 # computes several cells at once, and is checked against DOLFINx's own assembly; the problem is solved and checked
-# against DOLFINx's Newton solver and against a closed form.
+# against Newton's method with DOLFINx's assembly and against a closed form.
 
 import os
 import time
@@ -16,9 +16,9 @@ import time
 import numpy as np
 import ufl
 from dolfinx import fem, la, mesh
-from dolfinx.fem.petsc import NonlinearProblem
-from dolfinx.nls.petsc import NewtonSolver
+from dolfinx.fem import petsc
 from mpi4py import MPI
+from petsc4py import PETSc
 
 import dolfinx_impact as di
 from dolfinx_impact.io import plots
@@ -94,7 +94,7 @@ run.print(
     f"(closed form {theory / mu:.9f}), width {1 + side:.9f} (closed form {stretch**-0.25:.9f})"
 )
 
-# ## Glued ends: against DOLFINx's Newton solver
+# ## Glued ends: against DOLFINx's assembly
 #
 # With both ends glued to rigid plates nothing is homogeneous, and there is no closed form; but there is DOLFINx.
 # `StaticProblem` brings in the boundary values and stops its Newton iteration in its own way; forms are assembled with
@@ -111,14 +111,27 @@ def glued(V):
 
 u.x.array[:] = 0.0
 report = di.StaticProblem(u, residual=residual(u), bcs=glued(V)).solve()
-other = fem.Function(V)
-newton = NewtonSolver(comm, NonlinearProblem(residual(other), other, bcs=glued(V)))
-newton.rtol, newton.convergence_criterion = 1e-10, "residual"
-solver = newton.krylov_solver
+other, bcs = fem.Function(V), glued(V)
+right, left = fem.form(residual(other)), fem.form(ufl.derivative(residual(other), other))
+solver, norms, x = PETSc.KSP().create(comm), [], other.x.petsc_vec
 solver.setType("preonly")
 solver.getPC().setType("lu")
 solver.getPC().setFactorSolverType("mumps")
-iterations, converged = newton.solve(other)
+while True:
+    b = petsc.assemble_vector(right)
+    petsc.apply_lifting(b, [left], [bcs], [x], alpha=-1.0)  # with boundary values less those of x
+    b.ghostUpdate(PETSc.InsertMode.ADD, PETSc.ScatterMode.REVERSE)
+    petsc.set_bc(b, bcs, x, alpha=-1.0)
+    norms.append(b.norm())
+    if norms[-1] <= 1e-10 * norms[0] or len(norms) > 20:
+        break
+    A, step = petsc.assemble_matrix(left, bcs), b.duplicate()
+    A.assemble()
+    solver.setOperators(A)
+    solver.solve(b, step)
+    x.axpy(-1.0, step)
+    other.x.scatter_forward()
+iterations = len(norms) - 1
 solvers = comm.allreduce(np.abs(u.x.array - other.x.array).max(), MPI.MAX) / (stretch - 1)
 run.print(
     f"glued ends: StaticProblem {report.iterations[0]} iterations, DOLFINx {iterations}; "
@@ -148,5 +161,5 @@ run.print(f"results in {run.path}")
 
 assert kernels < 1e-13
 assert abs(stress / theory - 1) < 1e-9 and abs(1 + side - stretch**-0.25) < 1e-9
-assert converged and solvers < 1e-8
+assert norms[-1] <= 1e-10 * norms[0] and solvers < 1e-8
 # SPDX-License-Identifier: MIT

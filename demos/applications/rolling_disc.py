@@ -16,7 +16,6 @@ import os
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx.io import gmshio
 from mpi4py import MPI
 from scipy.special import j1, jvp
 
@@ -63,7 +62,7 @@ if comm.rank == 0:
     import gmsh
 
     model = gmsh.model
-disc = gmshio.model_to_mesh(model, comm, 0, gdim=2)[0]
+disc = di.model_to_mesh(model, comm, gdim=2).mesh
 if comm.rank == 0:
     gmsh.finalize()
 

@@ -51,7 +51,7 @@ if comm.rank == 0:
     corner = (start[:, None] + layers).ravel()
     beside = (np.roll(start, -1)[:, None] + layers).ravel()
     cells = np.column_stack([corner, corner + 1, beside, beside + 1])
-ring = mesh.create_mesh(comm, cells, points, basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
+ring = mesh.create_mesh(comm, cells, x=points, e=basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
 V = fem.functionspace(ring, ("Lagrange", 2, (2,)))
 hub = mesh.locate_entities_boundary(ring, 1, lambda x: np.hypot(x[0], x[1]) < 1.01 * HUB)
 held = fem.dirichletbc(np.zeros(2), fem.locate_dofs_topological(V, 1, hub), V)

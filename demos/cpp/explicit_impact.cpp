@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
 #include <dolfinx_impact/problems/ExplicitProblem.h>
 #include <dolfinx_impact/problems/explicit_body.h>
@@ -29,10 +30,10 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {2}));
   auto u = std::make_shared<fem::Function<double>>(V), v = std::make_shared<fem::Function<double>>(V);
   for (std::size_t i = 0; i < v->x()->array().size(); i += 2)
-    v->x()->mutable_array()[i] = -velocity;
+    dolfinx_impact::common::array(*v->x())[i] = -velocity;
 
   // The end x = 0 is the slave, the wall fills x < 0.
   const auto end = mesh::locate_entities_boundary(*mesh, 1,

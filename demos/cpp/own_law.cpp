@@ -8,6 +8,7 @@
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/kernels/constants.h>
 #include <dolfinx_impact/operators/InternalForce.h>
@@ -38,7 +39,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::hexahedron, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {3}));
   std::vector<std::int32_t> cells(mesh->topology()->index_map(3)->size_local());
   std::iota(cells.begin(), cells.end(), 0);
 
@@ -74,7 +75,7 @@ bool run()
 
   const operators::InternalForce energy(mesh, nullptr, integrals("foam.energy", cells), {{"u", u}});
   operators::InternalForce stress(mesh, V, integrals("foam.stress", cells), {{"u", u}});
-  stress.assemble(f.mutable_array());
+  stress.assemble(dolfinx_impact::common::array(f));
   const auto& points = *stress.history(0);
   const std::vector<double> components = points.values(points.find("stress"), true); // xx, yy, zz, xy, yz, xz
   double sums[3] = {pulls[1], energy.value(), pulls[0] + pulls[1]}, axial = components.empty() ? 0.0 : components[0];

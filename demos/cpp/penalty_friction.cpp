@@ -12,6 +12,7 @@
 #include <dolfinx/fem/FunctionSpace.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
@@ -44,7 +45,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {2}));
   auto u = std::make_shared<fem::Function<double>>(V), top = std::make_shared<fem::Function<double>>(V);
   const problems::KernelMaterial material{"linear_elastic", {{"E", {E}}, {"nu", {nu}}}, "plane_strain"};
   problems::BoundaryConditions bcs{
@@ -60,7 +61,7 @@ bool run()
   std::array<double, 3> force[2]; // on the block, of both steps
   for (int step = 0; step < 2; ++step)
   {
-    std::span<double> moved = top->x()->mutable_array();
+    std::span<double> moved = dolfinx_impact::common::array(*top->x());
     for (std::size_t i = 0; i < moved.size(); ++i)
       moved[i] = i % 2 ? -pressed : step * 0.5 * height;
     problem.solve();

@@ -116,7 +116,7 @@ class Averages:
 
     def placeholder(self, shape):
         """A new coefficient that is constant in a cell."""
-        element = basix.ufl.element("DG", self.mesh.ufl_cell().cellname(), 0, shape=shape)
+        element = basix.ufl.element("DG", str(self.mesh.ufl_cell()), 0, shape=shape)
         return ufl.Coefficient(ufl.FunctionSpace(self.mesh, element))
 
     def of(self, operand, maximum=False):

@@ -12,6 +12,7 @@ import numpy as np
 
 from .cxx import AnyLane, CxxFormatter, LocalSolve
 from .frontend import _kind
+from .integrands import integrands
 from .kernel import KernelWriter, decoded
 
 # Part of every signature and cache key: raised when generated code changes its meaning or its interface.
@@ -142,7 +143,7 @@ def compile_seconds(integral, text):
         table = table and not line.rstrip().endswith(";")
     if integral.rank > 1:
         return 1.2e-5 * code
-    points = max((len(rule.points) for rule in integral.ir.integrand), default=1)
+    points = max((len(rule.points) for rule, _ in integrands(integral.ir)), default=1)
     tensor = integral.coordinate_element.cell_type.name in ("quadrilateral", "hexahedron")
     direction = points ** (1 / (len(basix.topology(integral.coordinate_element.cell_type)) - 1)) if tensor else 1.0
     return 2.3e-5 * code * max(1.0, direction / 2) ** 2

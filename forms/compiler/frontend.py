@@ -21,6 +21,7 @@ from ufl.corealg.multifunction import MultiFunction
 from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
 from .geometry import check_sizes, with_sizes
+from .integrands import integrands
 from .stress_form import by_test_gradient
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
@@ -31,6 +32,7 @@ OPTIONS = {
     "table_atol": 1e-14,
     "epsilon": 1e-14,
     "verbosity": 30,
+    "part": "full",  # asked for since 0.10
 }
 
 
@@ -146,12 +148,12 @@ class Integral:
     @property
     def num_points(self):
         """Points at which outputs are written."""
-        return len(next(iter(self.ir.integrand)).points) if self.law else 0
+        return len(integrands(self.ir)[0][0].points) if self.law else 0
 
     @property
     def points_of_rules(self) -> int:
         """Points of all quadrature rules."""
-        return sum(len(rule.points) for rule in self.ir.integrand)
+        return sum(len(rule.points) for rule, _ in integrands(self.ir))
 
     @property
     def num_unknowns(self):
@@ -494,15 +496,15 @@ def _local_expressions(name, law, parts, averages, representation, numbering, me
     if law is None and not averages:
         return None
     what = "a point law" if law is not None else "averages"
-    if len(ir.integrand) != 1:
-        degrees = [len(rule.points) for rule in ir.integrand]
+    if len(integrands(ir)) != 1:
+        degrees = [len(rule.points) for rule, _ in integrands(ir)]
         raise ValueError(
             f"{name}: cells with {what} need one quadrature rule, found rules of {degrees} points: give all terms "
             "over these cells the same metadata"
         )
     if rank > 1:
         raise ValueError(f"{name}: {what} need a form of rank 0 or 1, this one has rank {rank}")
-    ((rule, _),) = ir.integrand.items()
+    ((rule, _),) = integrands(ir)
     if law is not None:
         _check_points(name, law, rule)
     given = dict(parts)
@@ -517,7 +519,7 @@ def _local_expressions(name, law, parts, averages, representation, numbering, me
         expressions += components
     analysis = analyze_ufl_objects([(lowered(ufl.as_vector(expressions)), rule.points)], np.dtype("float64"))
     (representation,) = compute_ir(analysis, {}, "impact", dict(OPTIONS), False).expressions
-    ((_, graph),) = representation.expression.integrand.items()
+    ((_, graph),) = integrands(representation.expression)
     outputs = [
         Output(o, parts[f"output {o}"][1], numbering.coefficients[law.history[o]][0] if o in law.history else -1)
         for o in (law.outputs if law is not None else ())

@@ -57,7 +57,7 @@ def check_sizes(name, form):
             raise ValueError(f"{name}: {in_words(average)} is not supported, ufl.cell_avg in integrals over dx is")
         if domain.is_piecewise_linear_simplex_domain():
             continue
-        cell, degree = domain.ufl_cell().cellname(), geometry_degree(domain)
+        cell, degree = str(domain.ufl_cell()), geometry_degree(domain)
         for o in unique_pre_traversal(integral.integrand()):
             unknown = isinstance(o, ufl.classes.FacetArea) and not has_straight_edges(domain)
             if unknown or (degree > 1 and isinstance(o, LENGTHS)):
@@ -80,7 +80,7 @@ def check_sizes(name, form):
 
 def has_straight_edges(domain):
     """Are the facets of a mesh straight edges?"""
-    return domain.ufl_cell().topological_dimension() == 2 and geometry_degree(domain) == 1
+    return str(domain.ufl_cell()) in ("triangle", "quadrilateral") and geometry_degree(domain) == 1
 
 
 def geometry_degree(domain):

@@ -17,6 +17,7 @@ from . import algebra as alg
 from . import geometry, tensor
 from .arguments import ElementTensor
 from .collect import collect
+from .integrands import integrands
 from .local import LocalPart
 from .schedule import Schedule
 from .sumfactorisation import evaluate_field
@@ -323,7 +324,7 @@ class KernelWriter:
     def write(self):
         """The kernel body as an LNodes StatementList."""
         self.targets = []
-        for number, (rule, data) in enumerate(self.ir.integrand.items()):
+        for number, (rule, data) in enumerate(integrands(self.ir)):
             tensor_cell = self.integral.integral_type == "cell" and self.cell.name in ("quadrilateral", "hexahedron")
             grid = tensor.grid_of_points(rule.points) if tensor_cell and self.integral.rank < 2 else None
             if grid is not None and len(grid) < 2:

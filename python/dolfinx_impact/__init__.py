@@ -6,6 +6,7 @@ operators, lumped mass), contact, statics, dynamics, io. `dolfinx_impact.forms` 
 closed-form solutions, and `verify`, a package beside this one, compares it with the hand-written solver.
 """
 
+from .compat import model_to_mesh  # first: it refuses a DOLFINx that this package was not tried on
 from . import _cpp, forms, theory, verify
 from .amplitude import PrescribedMotion
 from .common.lone_error import abort_at_exit
@@ -99,6 +100,7 @@ __all__ = [
     "forms",
     "jit",
     "lumped_mass",
+    "model_to_mesh",
     "operators",
     "quadrature_degree",
     "read_mesh",

@@ -11,6 +11,7 @@ from dolfinx.fem import FunctionSpace
 from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
+from . import compat
 from .assembly.ffcx_form import ffcx_form
 from .assembly import operators
 from .common.arguments import number
@@ -77,7 +78,7 @@ class AddedMass(_FacetLoad):
         """Mass per area, and the measure of the facets. Collective."""
         mesh = V.mesh
         check_tag(self.facet_tags, self.tag, mesh, "AddedMass")
-        p, g = V.element.basix_element.degree, mesh.geometry.cmap.degree
+        p, g = V.element.basix_element.degree, compat.coordinate_element(mesh).degree
         metadata = quadrature.metadata(quadrature.foundation_degree(mesh.topology.cell_name(), p, g, hypothesis))
         ds = ufl.Measure("ds", domain=mesh, subdomain_data=self.facet_tags, metadata=metadata)(self.tag)
         one = fem.Constant(mesh, np.float64(1.0))

@@ -170,13 +170,14 @@ def info(arguments: argparse.Namespace) -> int:
     Returns:
         Exit status 0.
     """
-    from . import _cpp
+    from . import _cpp, compat
     from .assembly.jit import cache_folder
     from .io.run_folder import versions
 
     print("versions")
     for name, version in versions().items():
         print(f"  {name:16s} {version}")
+    print(f"  tried on DOLFINx {compat.tried()}")
     table = kernels_by_form()
     columns = sorted({key for row in table.values() for key in row}, key=lambda key: (key[1], key[0]))
     count = len(_cpp.kernels.table())

@@ -11,6 +11,7 @@ from dolfinx.fem import Function
 from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
+from . import compat
 from .assembly.ffcx_form import ffcx_form
 from .assembly import operators
 from .common.collective import comm_of, guard
@@ -133,7 +134,7 @@ class Foundation(_FacetLoad):
         """Measure of the supported facets."""
         V = v.ufl_function_space()
         check_tag(self.facet_tags, self.tag, V.mesh, "Foundation")
-        p, g = V.element.basix_element.degree, V.mesh.geometry.cmap.degree
+        p, g = V.element.basix_element.degree, compat.coordinate_element(V.mesh).degree
         degree = quadrature.foundation_degree(V.mesh.topology.cell_name(), p, g, _hypothesis(hypothesis, V.mesh))
         degree += VARYING if _is_expression(self.stiffness) or _is_expression(self.damping) else 0
         metadata = quadrature.metadata(degree)

@@ -10,6 +10,7 @@ from dolfinx import default_scalar_type, fem
 from dolfinx.fem import Constant, FunctionSpace
 from dolfinx.mesh import Mesh, MeshTags, exterior_facet_indices
 
+from . import compat
 from .assembly import operators
 from .common.collective import comm_of, guard
 from .common.fixed import Fixed, read_only
@@ -200,7 +201,10 @@ class BodyForce(_Load):
         self._warn_of_meaning(material, mesh)
         hypothesis = material.hypothesis_on(mesh)
         degree = quadrature.mass_degree(
-            mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree, hypothesis
+            mesh.topology.cell_name(),
+            V.element.basix_element.degree,
+            compat.coordinate_element(mesh).degree,
+            hypothesis,
         ) + (VARYING if self.varies() else 0)
         dx = ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(degree), subdomain_data=material.cell_tags)
         return sum(
@@ -226,7 +230,7 @@ class _FacetLoad(_Load):
         V = u.function_space
         mesh = V.mesh
         check_tag(self.facet_tags, self.tag, mesh, type(self).__name__)
-        p, g = V.element.basix_element.degree, mesh.geometry.cmap.degree
+        p, g = V.element.basix_element.degree, compat.coordinate_element(mesh).degree
         degree = quadrature.facet_degree(mesh.topology.cell_name(), p, g, material.hypothesis_on(mesh)) + extra
         metadata = quadrature.metadata(degree)
         return ufl.Measure("ds", domain=mesh, subdomain_data=self.facet_tags, metadata=metadata)(self.tag)

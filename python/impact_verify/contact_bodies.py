@@ -16,7 +16,7 @@ from impact_reference.contact import Obstacle as TheirObstacle
 from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
-from dolfinx_impact import contact, materials
+from dolfinx_impact import compat, contact, materials
 from dolfinx_impact.common.types import AnyArray, FloatArray, IntArray
 from dolfinx_impact.contact.pair import Smooth
 from . import matched_body, nodes
@@ -69,7 +69,7 @@ def _box(
     domain = create(MPI.COMM_SELF, [low, high], list(n), kind)
     if geometry_degree == 2:
         domain = distorted_block.with_quadratic_geometry(domain)
-    return domain.geometry.x[:, : len(n)], domain.geometry.dofmap.astype(np.int64)
+    return domain.geometry.x[:, : len(n)], compat.geometry_dofmap(domain).astype(np.int64)
 
 
 def two_bodies(
@@ -104,7 +104,7 @@ def two_bodies(
     points = np.vstack([p for p, _ in parts])
     cells = np.vstack([parts[0][1], parts[1][1] + split])
     element = basix.ufl.element("Lagrange", cell, geometry_degree, shape=(dim,))
-    domain = mesh.create_mesh(MPI.COMM_SELF, cells, points, ufl.Mesh(element))
+    domain = mesh.create_mesh(MPI.COMM_SELF, cells, x=points, e=ufl.Mesh(element))
     heights = {SLAVE: 1.0 + BETWEEN, MASTER: 1.0, TOP: 1.5 + BETWEEN, BOTTOM: 0.0}
     found = {
         tag: mesh.locate_entities_boundary(domain, dim - 1, lambda x, z=z: np.isclose(x[dim - 1], z))

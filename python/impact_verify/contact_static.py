@@ -12,7 +12,7 @@ from dolfinx import fem, mesh
 from dolfinx.mesh import Mesh, MeshTags
 from impact_reference.contact import ContactSolution
 
-from dolfinx_impact import contact
+from dolfinx_impact import compat, contact
 from dolfinx_impact.common.types import BoolArray, FloatArray, IntArray
 from dolfinx_impact.materials import _Material
 from dolfinx_impact.statics.static_problem import StaticProblem
@@ -150,7 +150,7 @@ def pressed(
     domain, tags = two_bodies(cell, lower, upper, start=start)
     x = domain.geometry.x
     above = np.zeros(len(x), dtype=bool)
-    above[np.unique(domain.geometry.dofmap[_upper_cells(domain)])] = True
+    above[np.unique(compat.geometry_dofmap(domain)[_upper_cells(domain)])] = True
     # Round below, flat above, and open at the start, so that round-off does not decide which points are in contact.
     round_part = 0.3 * ((x[:, :1] - 0.52) ** 2).sum(axis=1) * (1.5 - x[:, dim - 1]) / 0.5
     x[above, dim - 1] += 0.002 + round_part[above]
@@ -167,7 +167,7 @@ def pressed(
 
 def _upper_cells(domain: Mesh) -> BoolArray:
     dim = domain.geometry.dim
-    x = domain.geometry.x[domain.geometry.dofmap][:, :, dim - 1]
+    x = domain.geometry.x[compat.geometry_dofmap(domain)][:, :, dim - 1]
     return x.mean(axis=1) > 1.0
 
 

@@ -11,6 +11,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from scipy.sparse import csr_matrix
 from scipy.spatial import cKDTree
 
+from dolfinx_impact import compat
 from dolfinx_impact.common.types import AnyArray, FloatArray, IntArray
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.materials import LinearElastic, NeoHookean, StVenantKirchhoff
@@ -90,12 +91,13 @@ class Body:
         self.mesh, self.degree, self.material = domain, degree, material
         self.gdim: int = domain.geometry.dim
         self.cell: str = domain.topology.cell_name()
-        self.geometry_degree: int = domain.geometry.cmap.degree
+        self.geometry_degree: int = compat.coordinate_element(domain).degree
         self.V = fem.functionspace(domain, ("Lagrange", degree, (self.gdim,)))
         self.hypothesis = material.hypothesis_on(domain)
         order = nodes.permutation(self.cell, self.geometry_degree)
-        cells: IntArray = np.empty(domain.geometry.dofmap.shape, dtype=np.int64)
-        cells[:, order] = domain.geometry.dofmap
+        dofmap = compat.geometry_dofmap(domain)
+        cells: IntArray = np.empty(dofmap.shape, dtype=np.int64)
+        cells[:, order] = dofmap
         self.points: FloatArray = domain.geometry.x[:, : self.gdim].copy()
         self.cells = cells
         self._orient()

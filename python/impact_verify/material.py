@@ -76,7 +76,7 @@ class Simplices:
         cells = np.arange(len(x), dtype=np.int64).reshape(num_cells, gdim + 1)
         shape = "triangle" if gdim == 2 else "tetrahedron"
         element = basix.ufl.element("Lagrange", shape, 1, shape=(gdim,))
-        self.mesh = mesh.create_mesh(MPI.COMM_SELF, cells, x, ufl.Mesh(element))
+        self.mesh = mesh.create_mesh(MPI.COMM_SELF, cells, x=x, e=ufl.Mesh(element))
         self.space = fem.functionspace(self.mesh, ("Lagrange", 1, (gdim,)))
         self.u = fem.Function(self.space, name="u")
         self.dofs = self.space.dofmap.list[:num_cells]

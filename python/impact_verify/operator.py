@@ -13,7 +13,7 @@ from mpi4py import MPI
 from scipy.sparse import csr_matrix
 
 from dolfinx_impact.own_forms import distorted_block
-from dolfinx_impact import materials
+from dolfinx_impact import compat, materials
 from dolfinx_impact.assembly import lumped_mass, operators
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import elasticity, inertia, loads, quadrature
@@ -89,7 +89,7 @@ def stiffness_rule(domain: Mesh, degree: int, hypothesis: str, law: str) -> Thei
     Returns:
         Name of the rule, its points and weights, or None for the default.
     """
-    cell, g = domain.topology.cell_name(), domain.geometry.cmap.degree
+    cell, g = domain.topology.cell_name(), compat.coordinate_element(domain).degree
     if (
         cell in quadrature.SIMPLICES
         and g == 1

@@ -15,7 +15,7 @@ from dolfinx.fem import Function
 from dolfinx.mesh import exterior_facet_indices
 
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
-from dolfinx_impact import materials
+from dolfinx_impact import compat, materials
 from dolfinx_impact.common.progress_bar import transient_bar
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import loads, quadrature
@@ -210,7 +210,7 @@ def _numeric_source(body: matched_body.Body) -> FloatArray:
     V = body.V
     f = fem.Function(V)
     f.interpolate(
-        fem.Expression(_source(body, cast(materials.LinearElastic, body.material)), V.element.interpolation_points())
+        fem.Expression(_source(body, cast(materials.LinearElastic, body.material)), compat.interpolation_points(V))
     )
     return body.to_theirs(f.x.array)
 

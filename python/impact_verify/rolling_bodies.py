@@ -16,7 +16,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from impact_reference.rolling import Motion
 from mpi4py import MPI
 
-from dolfinx_impact import contact
+from dolfinx_impact import compat, contact
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.materials import _Material
@@ -69,8 +69,8 @@ def wheel(cell: str, n: int, layers: int = 0, rail: Sequence[int] = ()) -> tuple
         under, more = _box(cell, low[keep], high[keep], rail, 1)
         points, cells = np.vstack([points, under]), np.vstack([cells, more + len(points)])
     element = basix.ufl.element("Lagrange", cell, 1, shape=(dim,))
-    domain = mesh.create_mesh(MPI.COMM_SELF, np.asarray(cells, dtype=np.int64), points, ufl.Mesh(element))
-    middle = domain.geometry.x[domain.geometry.dofmap].mean(axis=1)
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.asarray(cells, dtype=np.int64), x=points, e=ufl.Mesh(element))
+    middle = domain.geometry.x[compat.geometry_dofmap(domain)].mean(axis=1)
     body = np.where(middle[:, dim - 1] > -1.0, WHEEL, RAIL).astype(np.int32)
     cell_tags = mesh.meshtags(domain, dim, np.arange(len(body), dtype=np.int32), body)
 

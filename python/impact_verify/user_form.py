@@ -10,6 +10,7 @@ import ufl
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from dolfinx_impact import compat
 from dolfinx_impact.own_forms import distorted_block
 from dolfinx_impact.assembly.jit import Compiled, compile_form
 from dolfinx_impact.forms import registry
@@ -235,7 +236,7 @@ def check_body(domain: ufl.Mesh) -> None:
     Raises:
         ValueError: its cells are not those of a body in 2D or 3D.
     """
-    tdim, gdim = domain.topological_dimension(), domain.geometric_dimension()
+    tdim, gdim = compat.topological_dimension(domain), compat.geometric_dimension(domain)
     if tdim < 2 or tdim != gdim:
         raise ValueError(
             f"the form is on cells of dimension {tdim} in {gdim} dimension{'s' if gdim > 1 else ''}: the hand-written "
@@ -254,7 +255,7 @@ def _case(form: ufl.Form, name: str, hypothesis: str) -> Case:
             f"the form for {name} holds neither u nor a test function: there is nothing to compare it with"
         )
     space = functions[0].ufl_function_space().ufl_element()
-    cell = domain.ufl_cell().cellname()
+    cell = compat.cell_name(domain)
     check_body(domain)
     degree, geometry_degree = int(space.embedded_superdegree), int(coordinate.embedded_superdegree)
     sub = space.sub_elements[0] if space.block_size > 1 else space
@@ -336,7 +337,7 @@ def check_form(
     ((_, operator),) = parts
     rank = len(form.arguments())
     name = operator_name(operator, rank)
-    dim = registry.CELLS.get(form.ufl_domain().ufl_cell().cellname(), 0)
+    dim = registry.CELLS.get(compat.cell_name(form.ufl_domain()), 0)
     own = namespace.get("hypothesis")
     hypothesis = own or ("3d" if dim == 3 else "plane_strain")
     case = _case(form, name, hypothesis)
@@ -445,7 +446,7 @@ def _assembled(
 
     body = matched_body.Body(domain, degree, _Material(), law, theirs)
     kernel, bs = compiled.kernels[0], body.gdim
-    x, dofmap = domain.geometry.x, domain.geometry.dofmap
+    x, dofmap = domain.geometry.x, compat.geometry_dofmap(domain)
     size = body.model.num_dofs
     u = 0.03 * np.sin(3 * body.V.tabulate_dof_coordinates()[:, :bs]).ravel()
     out = np.zeros((size, size) if kernel.rank == 2 else size)

@@ -25,7 +25,7 @@ BELOW = ("common", "state", "files")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
 ROOMS = {"search": (".", "closest_point", "node_tracker")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
-PACKAGES = ("common", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
+PACKAGES = ("common", "compat", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
 PACKAGES += ("added_mass", "io", "theory")
 PACKAGES += ("contact", "recording", "statics", "rolling", "dynamics", "own_forms", "compile", "verify", "cli")
 # Packages beside it, with those of ours that each may import; the library has a door to the first and commands of both.
@@ -306,6 +306,108 @@ def forms_violations(root):
     root = pathlib.Path(root).resolve()
     allowed = {"ufl", "basix.ufl", "numpy"} | set(sys.stdlib_module_names)
     return import_violations(root / "forms", allowed, root, left_out="compiler")
+
+
+# The files that may ask for a release of DOLFINx, UFL, Basix or FFCx, or use what only some releases have.
+RELEASE_LAYERS = ("python/dolfinx_impact/compat.py",)
+RELEASE_LAYERS_CPP = tuple(f"cpp/dolfinx_impact/common/{name}.h" for name in ("dolfinx_api", "create_functionspace"))
+RELEASE_LAYERS_CPP += ("cpp/bindings/casters.h",)
+# Names that only some releases have, or that are properties in one and functions in another, and where they are
+# looked for: in any object but the module compat; in `geometry`; in the modules named.
+OF_RELEASES = ("gmshio", "cellname", "geometric_dimension", "topological_dimension", "interpolation_points")
+OF_RELEASES += ("create_cell_partitioner", "adjacencylist", "compute_integration_domains", "compile_ufl_objects")
+OF_RELEASES += ("LinearProblem", "NonlinearProblem", "NewtonSolverNonlinearProblem", "NewtonSolver")
+OF_GEOMETRY = ("cmap", "cmaps", "dofmap", "dofmaps")
+OF_MODULES = {"io": ("gmsh",), "petsc": ("create_vector",), "la": ("create_petsc_vector",)}
+LIBRARIES = ("dolfinx", "ufl", "basix", "ffcx")
+_PAGE_SPELLING = re.compile(
+    r"\.geometry\.(?:cmap|dofmap)s?\b|\bgmshio\b|(?<!compat)\.(?:interpolation_points|cellname|geometric_dimension)\b"
+)
+# The last one of a C++ file is a view in 0.9 and a copy in later releases.
+_CPP_SPELLINGS = re.compile(
+    r"dolfinx::MPI::mpi_(?:type|t)\b|\bmutable_array\(|(?:\.|->)cmaps?\(\)|geometry(?:\(\))?\.dofmaps?\(|"
+    r"(?:\.|->)value_shape\(\)|(?:\.|->)collapse\(\)|sparsitybuild|(?:\.|->)set\(0|(?:\.|->)array\(\)\.(?:first|last|subspan)|"
+    r"fem::create_functionspace\(|DOLFINX_VERSION|caster_(?:mpi|petsc)\.h|auto&?&? \w+ = [^;\n]*(?:\.|->)array\(\);"
+)
+
+
+def release_violations(root):
+    """What asks for a release of DOLFINx, or is spelt in a way that some releases do not know, outside the layers."""
+    root = pathlib.Path(root).resolve()
+    complaints = []
+    for folder in ("python", "forms", "meshes", "demos", "tests", "docs"):
+        for path in sources(root / folder, (".py",)):
+            name = path.relative_to(root).as_posix()
+            if name not in RELEASE_LAYERS:
+                tree = ast.parse(path.read_text(), str(path))
+                found = {(node.lineno, what) for node in ast.walk(tree) for what in _of_a_release(node)}
+                complaints += [f"{name}:{line}: {what} is not the same in all releases" for line, what in sorted(found)]
+    for folder in ("cpp/dolfinx_impact", "cpp/bindings", "tests/cpp", "demos/cpp"):
+        for path in sources(root / folder, (".h", ".cpp")):
+            name = path.relative_to(root).as_posix()
+            for number, line in enumerate(path.read_text().splitlines() if name not in RELEASE_LAYERS_CPP else (), 1):
+                for match in _CPP_SPELLINGS.finditer(line):
+                    complaints.append(f"{name}:{number}: {match[0]} is not the same in all releases")
+    for path in sources(root / "docs", (".md",)):
+        for number, line in enumerate(path.read_text().splitlines(), 1):
+            for match in _PAGE_SPELLING.finditer(line):
+                where = f"{path.relative_to(root).as_posix()}:{number}"
+                complaints.append(f"{where}: {match[0]} is not the same in all releases")
+    return complaints
+
+
+def _last_name(node):
+    """Name of a variable, or last part of a dotted one."""
+    return getattr(node, "attr", getattr(node, "id", None))
+
+
+def _of_a_release(node):
+    """What a node of a syntax tree has that is not the same in all releases."""
+    if isinstance(node, ast.Attribute):
+        base = _last_name(node.value)
+        if node.attr == "__version__" and base in LIBRARIES:
+            yield f"{base}.__version__"
+        elif node.attr in OF_RELEASES and base != "compat":
+            yield node.attr
+        elif node.attr in OF_GEOMETRY and base == "geometry":
+            yield f"geometry.{node.attr}"
+        elif node.attr in OF_MODULES.get(base, ()):
+            yield f"{base}.{node.attr}"
+    elif isinstance(node, (ast.Import, ast.ImportFrom)):
+        module = getattr(node, "module", None)
+        for alias in node.names:
+            parts = [*((module or "").split(".") if module else ()), *alias.name.split(".")]
+            if parts[0] in LIBRARIES and getattr(node, "level", 0) == 0:
+                yield from (part for part in parts if part in OF_RELEASES or part == "__version__")
+                yield from (f"{a}.{b}" for a, b in zip(parts, parts[1:]) if b in OF_MODULES.get(a, ()))
+    elif isinstance(node, ast.Call):
+        yield from _of_a_release_in_call(node)
+    elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Tuple):
+        called = isinstance(node.value, ast.Call) and getattr(node.value.func, "attr", None) == "collapse"
+        used = [name.id for name in node.targets[0].elts[1:] if isinstance(name, ast.Name) and name.id[0] != "_"]
+        if called and used and _last_name(node.value.func.value) != "compat":
+            yield "the map of collapse()"
+    elif isinstance(node, ast.Subscript) and isinstance(node.value, ast.Call):
+        func, index = node.value.func, getattr(node.slice, "value", None)
+        if getattr(func, "attr", None) == "collapse" and index != 0 and _last_name(func.value) != "compat":
+            yield "the map of collapse()"
+
+
+def _of_a_release_in_call(node):
+    """The same of a call: a library's version, arguments by place, looking whether an object has a name."""
+    name, texts = _last_name(node.func), [a.value for a in node.args if isinstance(a, ast.Constant)]
+    if name in ("hasattr", "getattr"):
+        yield from (text for text in texts if text in OF_RELEASES + OF_GEOMETRY)
+        if "__version__" in texts and _last_name(node.args[0]) in LIBRARIES:
+            yield "__version__"
+    elif name == "version" and any(str(text).startswith(("fenics", "dolfinx-", *LIBRARIES[1:])) for text in texts):
+        yield f"the version of {texts[0]}"
+    elif name == "create_mesh" and len(node.args) > 2:
+        yield "the order of create_mesh's arguments"
+    elif name == "IndexMap" and len(node.args) > 2:
+        yield "IndexMap with ghosts"
+    elif name == "assemble_matrix":
+        yield from (f"assemble_matrix({key.arg}=)" for key in node.keywords if key.arg in ("diagonal", "diag"))
 
 
 def imported_modules(path):

@@ -242,6 +242,70 @@ def test_forms_pass_ufl(tree):
     assert rules.forms_violations(tree({"forms/a.py": text})) == []
 
 
+GOOD_RELEASES = {
+    "python/dolfinx_impact/compat.py": "import dolfinx\nNEW = dolfinx.__version__\nx = mesh.geometry.cmaps[0]\n",
+    "python/dolfinx_impact/loads.py": "from .. import compat\np = compat.coordinate_element(mesh).degree\n",
+    "forms/elasticity.py": "cell, dim = str(mesh.ufl_cell()), len(ufl.SpatialCoordinate(mesh))\n",
+    "meshes/figures.py": "gdim, x = mesh.geometry.dim, mesh.geometry.x\nV, _ = W.collapse()\nV = W.collapse()[0]\n",
+    "demos/hertz.py": "bars = mesh.create_mesh(comm, cells, x=points, e=element)\nV.dofmap.list\nimage.cmap\n",
+    "tests/unit/a/test_a.py": "space, dofs = compat.collapse(W)\nIndexMap(comm, 3)\nnumpy.__version__\n",
+    "docs/page.md": "of `dolfinx.io`\n\n    d = compat.geometric_dimension(mesh)\n",
+    "cpp/dolfinx_impact/common/dolfinx_api.h": "return mesh.geometry().cmaps().front();\nv.mutable_array();\n",
+    "cpp/bindings/casters.h": "#include <caster_mpi.h>\n",
+    "cpp/dolfinx_impact/gap/gap.cpp": "std::span<const double> x = common::array(v);\nV.dofmap()->list();\nf(v.array());\n",
+}
+
+
+def test_releases_pass_a_good_tree(tree):
+    assert rules.release_violations(tree(GOOD_RELEASES)) == []
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        ("python/dolfinx_impact/loads.py", "degree = V.mesh.geometry.cmap.degree\n"),
+        ("python/impact_verify/a.py", "cells = domain.geometry.dofmaps[0]\n"),
+        ("python/impact_studies/a.py", "geometry = mesh.geometry\ncells = geometry.dofmap\n"),
+        ("python/dolfinx_impact/cli.py", "import dolfinx\nprint(dolfinx.__version__)\n"),
+        ("python/dolfinx_impact/cli.py", "from ufl import __version__\n"),
+        ("python/dolfinx_impact/cli.py", "found = importlib.metadata.version('fenics-dolfinx')\n"),
+        ("python/dolfinx_impact/cli.py", "new = hasattr(mesh.geometry, 'cmaps')\n"),
+        ("python/dolfinx_impact/cli.py", "new = getattr(dolfinx, '__version__') > '0.9'\n"),
+        ("forms/elasticity.py", "cell = mesh.ufl_cell().cellname()\n"),
+        ("forms/elasticity.py", "dim = mesh.geometric_dimension\n"),
+        ("meshes/figures.py", "from dolfinx.io import gmshio\n"),
+        ("meshes/figures.py", "import dolfinx.io.gmsh\n"),
+        ("demos/hertz.py", "bars = mesh.create_mesh(comm, cells, points, element)\n"),
+        ("demos/applications/foam.py", "from dolfinx.nls.petsc import NewtonSolver\n"),
+        ("tests/unit/a/test_a.py", "linear = petsc.LinearProblem(a, L)\n"),
+        ("tests/unit/a/test_a.py", "b = fem.petsc.create_vector(form)\n"),
+        ("tests/unit/a/test_a.py", "f = fem.Expression(e, W.element.interpolation_points())\n"),
+        ("tests/unit/a/test_a.py", "space, dofs = W.sub(0).collapse()\n"),
+        ("tests/unit/a/test_a.py", "dofs = W.sub(0).collapse()[1]\n"),
+        ("tests/unit/a/test_a.py", "numbers = IndexMap(comm, 3, ghosts, owners)\n"),
+        ("tests/unit/a/test_a.py", "A = petsc.assemble_matrix(form, bcs=bcs, diagonal=0.0)\n"),
+        ("tests/unit/a/test_a.py", "part = mesh.create_cell_partitioner(mesh.GhostMode.none)\n"),
+        ("docs/figures.py", "cells = mesh.geometry.dofmap\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "auto type = dolfinx::MPI::mpi_type<T>();\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "v.mutable_array()[0] = 1.0;\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "const auto u = function->x()->array();\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "take(u.x()->array().first(n));\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "sums.set(0.0);\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "int p = mesh.geometry().cmap().degree();\n"),
+        ("cpp/dolfinx_impact/gap/gap.h", "auto d = geometry.dofmap();\n"),
+        ("cpp/dolfinx_impact/gap/gap.h", "bool b = V.value_shape().size();\n"),
+        ("cpp/bindings/gap.cpp", "#include <caster_petsc.h>\n"),
+        ("demos/cpp/impact.cpp", "const auto [field, dofs] = V.sub({0}).collapse();\n"),
+        ("demos/cpp/impact.cpp", "auto V = dolfinx::fem::create_functionspace(mesh, element, {2});\n"),
+        ("tests/cpp/test_a.cpp", "dolfinx::fem::sparsitybuild::cells(p, {c, c}, {d, d});\n"),
+        ("docs/page.md", "    x = mesh.geometry.x[mesh.geometry.dofmap]\n"),
+    ],
+)
+def test_releases_complain(tree, name, text):
+    (complaint,) = rules.release_violations(tree({**GOOD_RELEASES, name: text}))
+    assert complaint.startswith(f"{name}:") and "is not the same in all releases" in complaint
+
+
 @pytest.mark.parametrize("flag", ["-f" + "fast-math", "-O" + "fast"])
 @pytest.mark.parametrize("name", ["cpp/CMakeLists.txt", "pyproject.toml", "Makefile", "forms/compiler/driver.py"])
 def test_unsafe_flags_complain(tree, name, flag):

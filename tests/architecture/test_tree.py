@@ -40,6 +40,10 @@ def test_the_order_of_the_packages_is_that_of_the_page(checkout):
     assert places == sorted(places)
 
 
+def test_releases_of_dolfinx_differ_in_the_layers_alone(checkout):
+    assert rules.release_violations(checkout) == []
+
+
 def test_the_hand_written_solver_shares_nothing(checkout):
     assert rules.reference_violations(checkout) == []
 

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
@@ -34,7 +36,7 @@ struct Block
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
     v = std::make_shared<fem::Function<double>>(V);
     mesh->topology_mutable()->create_connectivity(1, 2);
@@ -56,8 +58,8 @@ struct Block
   {
     for (std::size_t i = 0; i < v->x()->array().size(); i += 2)
     {
-      v->x()->mutable_array()[i] = vx;
-      v->x()->mutable_array()[i + 1] = vy;
+      dolfinx_impact::common::array(*v->x())[i] = vx;
+      dolfinx_impact::common::array(*v->x())[i + 1] = vy;
     }
   }
   double norm() const
@@ -103,7 +105,7 @@ struct Run
     const auto press = [&](double by)
     {
       for (std::size_t i = 1; i < top->x()->array().size(); i += 2)
-        top->x()->mutable_array()[i] = -by;
+        dolfinx_impact::common::array(*top->x())[i] = -by;
     };
     const problems::BoundaryConditions bcs{
         std::make_shared<fem::DirichletBC<double>>(top, fem::locate_dofs_geometrical(*b.V, Block::at(2.0)))};

@@ -8,6 +8,8 @@
 #include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
 #include <dolfinx_impact/operators/KernelTangent.h>
@@ -80,7 +82,8 @@ void checks()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::hexahedron, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+  auto V =
+      std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {3}));
   auto u = std::make_shared<Function>(V), d = std::make_shared<Function>(V), start = std::make_shared<Function>(V);
   set(*start, 0.03, 0.0), set(*d, 1.0, 1.0);
   const auto map = V->dofmap()->index_map;
@@ -95,7 +98,7 @@ void checks()
   auto at = [&](double s)
   {
     for (std::size_t i = 0; i < u->x()->array().size(); ++i)
-      u->x()->mutable_array()[i] = start->x()->array()[i] + s * d->x()->array()[i];
+      dolfinx_impact::common::array(*u->x())[i] = start->x()->array()[i] + s * d->x()->array()[i];
   };
   auto total = [](double x)
   {

@@ -10,6 +10,8 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
 #include <dolfinx_impact/problems/ExplicitProblem.h>
@@ -57,12 +59,12 @@ struct Square
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
     v = std::make_shared<fem::Function<double>>(V);
     const std::vector<double> x = V->tabulate_dof_coordinates(false);
     for (std::size_t node = 0; node < x.size() / 3; ++node)
-      v->x()->mutable_array()[2 * node + 1] = speed * (x[3 * node + 1] - 0.5);
+      dolfinx_impact::common::array(*v->x())[2 * node + 1] = speed * (x[3 * node + 1] - 0.5);
   }
 
   problems::ExplicitBody body(const problems::ExplicitBodyOptions& options = {}) const
@@ -74,7 +76,7 @@ struct Square
   {
     auto values = std::make_shared<fem::Function<double>>(V);
     for (std::size_t i = 1; i < values->x()->array().size(); i += 2)
-      values->x()->mutable_array()[i] = 1.0;
+      dolfinx_impact::common::array(*values->x())[i] = 1.0;
     return std::make_shared<fem::DirichletBC<double>>(values, fem::locate_dofs_geometrical(*V, at(1, y)));
   }
   double largest() const
@@ -163,7 +165,7 @@ TEST_CASE("a run goes on from a state that was saved as if nothing had been")
   const auto end = [&]
   {
     problem.advance(2.0);
-    const auto u = square.u->x()->array();
+    const std::span<const double> u = dolfinx_impact::common::array(*square.u->x());
     return std::pair(std::vector<double>(u.begin(), u.end()), problem.energies().values());
   };
   const auto first = end();
@@ -284,7 +286,8 @@ TEST_CASE("quadratic cells are lumped by their kind: positive masses with the ri
     const auto element =
         basix::create_element<double>(basix::element::family::P, cell, 2, basix::element::lagrange_variant::gll_warped,
                                       basix::element::dpc_variant::unset, false);
-    const auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    const auto V =
+        std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     const auto u = std::make_shared<fem::Function<double>>(V);
     const problems::KernelMaterial law{"linear_elastic", {{"E", {1.0}}, {"nu", {0.3}}}, "plane_strain"};
     const std::vector<double> mass = problems::explicit_body(u, {{law, 1.0}}).mass;
@@ -307,7 +310,7 @@ TEST_CASE("bodies that overlap their obstacle at the start are refused; others a
   CHECK_THROWS_WITH(problems::ExplicitProblem(square.u, square.v, square.body(), {}, {}, {{contact(deep), "pit"}}),
                     Catch::Matchers::StartsWith("pit: ") && Catch::Matchers::ContainsSubstring("overlap at the start"));
   for (std::size_t i = 1; i < square.v->x()->array().size(); i += 2)
-    square.v->x()->mutable_array()[i] = -0.01;
+    dolfinx_impact::common::array(*square.v->x())[i] = -0.01;
   problems::ExplicitProblem problem(square.u, square.v, square.body(), {}, {}, {{contact(floor), "floor"}});
   problem.advance(4.0);
   const auto forces = problem.history().row(5).subspan(1 + integrators::Energies::size);
@@ -365,7 +368,7 @@ struct Plate
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
   }
   surface::Facets side(double y) const
@@ -429,7 +432,7 @@ TEST_CASE("springs without a given penalty have half the stiffness of a layer, o
   const Plate plate(2);
   const double h = Plate::h, mass = 0.5 * Plate::density * h * Plate::wide; // of an inner node of the lower side
   for (std::size_t i = 1; i < plate.u->x()->array().size(); i += 2)
-    plate.u->x()->mutable_array()[i] = -0.01 * h;
+    dolfinx_impact::common::array(*plate.u->x())[i] = -0.01 * h;
   const auto automatic = plate.springs(), by_step = plate.springs({.by_step = true});
   problems::ExplicitProblem one = plate.problem({{automatic, "floor"}});
   problems::ExplicitProblem other = plate.problem({{by_step, "floor"}});
@@ -449,7 +452,7 @@ TEST_CASE("springs without a given penalty have half the stiffness of a layer, o
   const gap::Rigid wall{.kind = gap::Rigid::Kind::plane, .gdim = 2, .direction = {1, 0, 0}};
   const auto narrow = std::make_shared<enforcement::NodePenalty>(*plate.V, end, wall);
   for (std::size_t i = 0; i < plate.u->x()->array().size(); i += 2)
-    plate.u->x()->mutable_array()[i] = -0.01 * h;
+    dolfinx_impact::common::array(*plate.u->x())[i] = -0.01 * h;
   problems::ExplicitProblem third = plate.problem({{narrow, "wall"}});
   third.advance(0.9 * step);
   CHECK(std::ranges::max(narrow->stiffness()) == Approx(0.5 * Plate::E / Plate::wide * h).epsilon(1e-9));
@@ -484,7 +487,7 @@ TEST_CASE("an explicit run goes on from an equilibrium of multipliers at rest")
 
   const auto springs = plate.springs();
   auto u = std::make_shared<fem::Function<double>>(plate.V);
-  std::ranges::copy(plate.u->x()->array(), u->x()->mutable_array().begin());
+  std::ranges::copy(plate.u->x()->array(), dolfinx_impact::common::array(*u->x()).begin());
   problems::ExplicitProblem run(u, nullptr, problems::explicit_body(u, {{plate.law, Plate::density}}), {{held}}, {load},
                                 {{springs, "floor"}});
   problems::start_from_equilibrium(run, *equilibrium.equilibrium());

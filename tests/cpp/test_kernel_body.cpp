@@ -11,6 +11,8 @@
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
 #include <numeric>
@@ -45,7 +47,7 @@ struct Bar
     const auto element = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell),
                                                        degree, basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {3}));
     u = std::make_shared<fem::Function<double>>(V);
   }
 
@@ -157,7 +159,7 @@ TEST_CASE("the tangent of a body with a history is the derivative of its residua
   const auto force = [&](double s)
   {
     for (std::size_t i = 0; i < start.size(); ++i)
-      bar.u->x()->mutable_array()[i] = start[i] + s * direction[i];
+      dolfinx_impact::common::array(*bar.u->x())[i] = start[i] + s * direction[i];
     return values(body.residual());
   };
   const std::vector<double> plus = force(h), minus = force(-h);
@@ -189,7 +191,7 @@ std::shared_ptr<problems::KernelBody> halves(Bar& bar, const problems::KernelMat
                                              const problems::KernelMaterial& right)
 {
   std::vector<problems::MaterialCells> both{{left, {}}, {right, {}}};
-  const auto geometry = bar.mesh->geometry().dofmap();
+  const auto geometry = dolfinx_impact::common::geometry_dofmap(*bar.mesh);
   for (std::int32_t cell = 0; cell < std::int32_t(geometry.extent(0)); ++cell)
   {
     double centre = 0.0;

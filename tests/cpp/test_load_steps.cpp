@@ -5,6 +5,8 @@
 #include <catch2/catch_test_macros.hpp>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/solve/FunctionBody.h>
 #include <dolfinx_impact/solve/LoadSteps.h>
 #include <memory>
@@ -31,7 +33,7 @@ struct Stretched
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
     const auto V = std::make_shared<dolfinx::fem::FunctionSpace<double>>(
-        dolfinx::fem::create_functionspace(mesh, element, std::vector<std::size_t>{}));
+        dolfinx_impact::common::create_functionspace(mesh, element, std::vector<std::size_t>{}));
     problem->u = std::make_shared<dolfinx::fem::Function<double>>(V);
     solve::FunctionBody::Functions functions;
     functions.accept_step = [this] { ++accepted; };
@@ -44,7 +46,7 @@ struct Stretched
     solve::LoadSteps steps(problem, target, {{load, reached}}, {});
     const auto solver = [&](std::span<const double> prescribed)
     {
-      std::span<double> u = problem->u->x()->mutable_array();
+      std::span<double> u = dolfinx_impact::common::array(*problem->u->x());
       solve::Increment out;
       out.iterations = 2;
       seen.push_back(load[1]);
@@ -107,7 +109,7 @@ TEST_CASE("the solver's exceptions pass through, and the problem is where the la
   int calls = 0;
   const auto solver = [&](std::span<const double> prescribed) -> solve::Increment
   {
-    std::ranges::copy(prescribed, model.problem->u->x()->mutable_array().begin());
+    std::ranges::copy(prescribed, dolfinx_impact::common::array(*model.problem->u->x()).begin());
     if (++calls == 3)
       throw std::domain_error("stop");
     return solve::Increment().converged();

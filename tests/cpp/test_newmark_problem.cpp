@@ -10,6 +10,8 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/integrators/newmark/MovingBody.h>
 #include <dolfinx_impact/problems/LoadedBody.h>
@@ -38,7 +40,7 @@ struct Block
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
     v = std::make_shared<fem::Function<double>>(V);
   }
@@ -67,8 +69,8 @@ struct Block
   {
     for (std::size_t i = 0; i < v->x()->array().size(); i += 2)
     {
-      v->x()->mutable_array()[i] = vx;
-      v->x()->mutable_array()[i + 1] = vy;
+      dolfinx_impact::common::array(*v->x())[i] = vx;
+      dolfinx_impact::common::array(*v->x())[i + 1] = vy;
     }
   }
 };
@@ -82,7 +84,8 @@ const auto mass_options = []
 }();
 } // namespace
 
-TEST_CASE("what is known of bodies is known of them with loads, and with inertia and damping but for these", "[newmark]")
+TEST_CASE("what is known of bodies is known of them with loads, and with inertia and damping but for these",
+          "[newmark]")
 {
   const bool keeps = GENERATE(false, true), symmetric = GENERATE(false, true);
   const int damping = GENERATE(0, 1, 2); // none, linear, another one
@@ -158,7 +161,7 @@ TEST_CASE("the trapezoidal rule keeps the energy of a linear body, and damping t
   const int which = GENERATE(0, 1, 2);
   Block b;
   for (std::size_t i = 0; i < b.u->x()->array().size(); i += 2)
-    b.u->x()->mutable_array()[i] = 0.01 * std::sin(0.3 * double(i));
+    dolfinx_impact::common::array(*b.u->x())[i] = 0.01 * std::sin(0.3 * double(i));
   problems::NewmarkProblem problem(b.u, b.v, b.body(mass_options[which]));
   const double start = problem.energies().internal;
   problem.advance(2.0, {.dt = 0.05});
@@ -298,7 +301,7 @@ TEST_CASE("a scheme that is stable with small steps only says how small", "[newm
   {
     Block c;
     for (std::size_t i = 0; i < c.u->x()->array().size(); ++i)
-      c.u->x()->mutable_array()[i] = 1e-3 * std::sin(7.0 * double(i));
+      dolfinx_impact::common::array(*c.u->x())[i] = 1e-3 * std::sin(7.0 * double(i));
     problems::NewmarkProblem run(c.u, c.v, c.body(), {}, {}, {}, options);
     const double start = run.energies().internal;
     run.advance(200 * part * limit, {.dt = part * limit});

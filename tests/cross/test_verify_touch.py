@@ -12,6 +12,7 @@ import pytest
 from dolfinx import mesh
 from scipy.spatial import cKDTree
 
+from dolfinx_impact import compat
 from impact_verify.contact_bodies import MASTER, SLAVE
 from impact_verify.scenarios import explicit_runs, implicit_runs
 from impact_verify.scenarios.our_adapter import time_step
@@ -40,8 +41,8 @@ def run_time(level, case):
     nodes over the speed of a wave and root of dim, for its direction: of these cells it is 1.02 to 1.9 times that."""
     if level is implicit_runs:
         return case.num_steps * time_step(case)
-    geometry = case.body.mesh.geometry
-    nodes = geometry.x[geometry.dofmap]
+    domain = case.body.mesh
+    nodes = domain.geometry.x[compat.geometry_dofmap(domain)]
     i, j = np.triu_indices(nodes.shape[1], 1)
     shortest = np.linalg.norm(nodes[:, i] - nodes[:, j], axis=2).min()
     wave_speed = np.sqrt(0.7 / (1.3 * 0.4))  # E = 1, density 1, nu = 0.3 at most

@@ -8,7 +8,7 @@ import types
 
 import pytest
 
-from dolfinx_impact import cli
+from dolfinx_impact import cli, compat
 
 
 def test_list_names_every_demo_with_its_title(command):
@@ -118,6 +118,7 @@ def test_info_names_versions_kernels_width_and_caches(impact, tmp_path):
     assert status == 0, errors
     for word in ("dolfinx ", "ffcx", "basix", "ufl", "petsc", "nanobind", "linear_elastic.force", "hexahedron", "SIMD"):
         assert word in output
+    assert f"tried on DOLFINx {compat.tried()}" in output and compat.installed() in output
     assert f"{kernels} (1 files, 1.5 MB)" in output
 
 

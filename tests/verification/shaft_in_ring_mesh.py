@@ -4,9 +4,9 @@
 import math
 
 import numpy as np
-from dolfinx.io import gmshio
 from mpi4py import MPI
 
+from dolfinx_impact import compat
 from dolfinx_impact.meshes import NAMES, RecipeMesh
 from dolfinx_impact.meshes.gmsh_model import generate, session
 from dolfinx_impact.meshes.layout import Layout, at
@@ -46,5 +46,5 @@ def shaft_in_ring(radius, outer, overlap, num_shaft, num_ring, degree):
     layout.snap |= {"slave_surface": _on_circle(r), "master_surface": _on_circle(b)}
     with session("shaft_in_ring") as model:
         generate(layout, "quadrilateral", degree)
-        domain, cells, facets = gmshio.model_to_mesh(model, MPI.COMM_SELF, 0, gdim=2)
+        domain, cells, facets = compat.model_to_mesh(model, MPI.COMM_SELF, 0, gdim=2)
     return RecipeMesh("shaft_in_ring", domain, cells, facets, {}, NAMES)

@@ -4,10 +4,10 @@
 import gmsh
 import numpy as np
 from dolfinx import fem
-from dolfinx.io import gmshio
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 
 
 def mesh_of(radius, size, inner=0.0, thickness=0.0, order=2):
@@ -30,7 +30,7 @@ def mesh_of(radius, size, inner=0.0, thickness=0.0, order=2):
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.generate(gdim)
         gmsh.model.mesh.setOrder(order)
-    mesh, cells, _ = gmshio.model_to_mesh(gmsh.model, MPI.COMM_WORLD, 0, gdim=gdim)
+    mesh, cells, _ = compat.model_to_mesh(gmsh.model, MPI.COMM_WORLD, 0, gdim=gdim)
     gmsh.finalize()
     return mesh, cells
 

@@ -6,6 +6,7 @@ import pytest
 from contact_model import Model
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 
 RADIUS, DEPTH = 4.0, 0.05
 
@@ -27,7 +28,7 @@ def bodies(coarse_is_slave):
     )
     x = m.mesh.geometry.x
     upper = np.zeros(len(x), dtype=bool)
-    upper[m.mesh.geometry.dofmap[m.cells.find(m.tags["slave_body"])]] = True
+    upper[compat.geometry_dofmap(m.mesh)[m.cells.find(m.tags["slave_body"])]] = True
     height, across = x[upper, 1] - 1.0, x[upper, 0] - 1.5
     x[upper, 1] += (1.0 - height) * across**2 / (2 * RADIUS)
     m.hold("bottom")

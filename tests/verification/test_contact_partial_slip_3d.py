@@ -10,7 +10,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes, theory
+from dolfinx_impact import compat, meshes, theory
 
 RADIUS, A, G, NU, FRICTION, LOAD = 50.0, 1.0, 200.0, 0.42, 0.4, 9.1954
 E, SIZE = 2 * G * (1 + NU), 6 * A  # of the blocks
@@ -47,7 +47,7 @@ class Bodies:
         )
         m = Model(recipe, di.LinearElastic(E, NU))
         x, cells = m.mesh.geometry.x, recipe.cell_tags.find(m.tags["slave_body"])
-        upper = np.unique(m.mesh.geometry.dofmap[cells])
+        upper = np.unique(compat.geometry_dofmap(m.mesh)[cells])
         x[upper, 2] += (x[upper, 0] ** 2 + x[upper, 1] ** 2) / (2 * RADIUS) * (1 - x[upper, 2] / SIZE)
         m.hold("symmetry_y", 1)
         self.far = fem.Function(m.V)

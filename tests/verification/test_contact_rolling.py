@@ -10,7 +10,7 @@ from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes, theory
+from dolfinx_impact import compat, meshes, theory
 
 RADIUS, A, LOAD, SIZE = 50.0, 0.1, 16.20, 2.0  # mm, N/mm; SIZE of the blocks
 ALUMINIUM, STEEL = (23e3, 0.31), (82e3, 0.28)  # shear moduli [MPa], Poisson's ratios
@@ -53,7 +53,7 @@ class Rollers:
         m = Model(recipe, law)
         x, cells = m.mesh.geometry.x, recipe.cell_tags.find(m.tags["slave_body"])
         upper = np.zeros(len(x), dtype=bool)
-        upper[np.unique(m.mesh.geometry.dofmap[cells])] = True
+        upper[np.unique(compat.geometry_dofmap(m.mesh)[cells])] = True
         x[:, 1] += np.where(upper, 1, -1) * x[:, 0] ** 2 / (2 * RADIUS) * (1 - np.abs(x[:, 1]) / SIZE)
         self.far = fem.Function(m.V)
         self.sides = [self.outside(m, "slave_", "top"), self.outside(m, "", "bottom")]

@@ -35,7 +35,7 @@ class Disc(Impact):
         x = np.vstack([np.zeros((1, 2)), *rings])
         element = basix.ufl.element("Lagrange", "triangle", 1, shape=(2,))
         cells = Delaunay(x).simplices
-        domain = mesh.create_mesh(MPI.COMM_SELF, cells.astype(np.int64), x + [0.0, 1.0 + gap], ufl.Mesh(element))
+        domain = mesh.create_mesh(MPI.COMM_SELF, cells.astype(np.int64), x=x + [0.0, 1.0 + gap], e=ufl.Mesh(element))
         rim = mesh.exterior_facet_indices(domain.topology) if domain.topology.create_connectivity(1, 2) is None else []
         tags = mesh.meshtags(domain, 1, rim, np.full(len(rim), 3, dtype=np.int32))
         super().__init__(_Recipe(domain, tags, {"slave_surface": 3}), law)

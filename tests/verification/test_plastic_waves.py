@@ -12,6 +12,7 @@ from dolfinx import fem
 from meshes_and_supports import clamp, rectangle, tagged
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 from dolfinx_impact.theory import plasticity as theory
 
 E, RHO, Y, ET, V0 = 207e9, 7800.0, 780e6, 20.7e9, 40.0
@@ -44,7 +45,7 @@ class Bar:
         law = di.J2Plasticity(E, 0.0, RHO, yield_stress=Y, hardening=hardening, hypothesis="plane_stress")
         self.run = di.ExplicitProblem(u, law, velocity=velocity, bcs=bcs, contact=pairs)
         self.run.advance(UNTIL, progress=False)
-        x = domain.geometry.x[domain.geometry.dofmap, 0].mean(axis=1)
+        x = domain.geometry.x[compat.geometry_dofmap(domain), 0].mean(axis=1)
         order = np.argsort(x)
         self.centre = x[order]
         self.stress = -self.run.history["stress"].values[order, :, 0].mean(axis=1)

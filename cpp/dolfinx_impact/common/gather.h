@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "dolfinx_api.h"
 #include <dolfinx/common/MPI.h>
 #include <mpi.h>
 #include <vector>
@@ -10,7 +11,7 @@ namespace dolfinx_impact::common
 template <typename T>
 std::vector<T> gather(MPI_Comm comm, const std::vector<T>& here)
 {
-  const MPI_Datatype type = dolfinx::MPI::mpi_type<T>();
+  const MPI_Datatype type = common::mpi_type<T>();
   int size = 0, mine = int(here.size());
   MPI_Comm_size(comm, &size);
   std::vector<int> counts(size), starts(size + 1, 0);

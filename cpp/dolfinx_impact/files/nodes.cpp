@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "nodes.h"
+#include "../common/dolfinx_api.h"
 #include <algorithm>
 #include <dolfinx/la/Vector.h>
 #include <functional>
@@ -37,7 +38,7 @@ std::vector<double> places(const dolfinx::fem::FunctionSpace<double>& V)
   // Each degree of freedom of a mixed space is a node: that of a component lies where the point of its field does.
   for (int i = 0; i < V.element()->num_sub_elements(); ++i)
   {
-    const auto [field, dofs] = V.sub({i}).collapse();
+    const auto [field, dofs] = common::collapse(V.sub({i}));
     const std::vector<double> x = field.tabulate_dof_coordinates(false);
     const std::size_t bs = field.dofmap()->index_map_bs();
     for (std::size_t k = 0; k < dofs.size(); ++k)
@@ -78,8 +79,8 @@ NodesThen nodes_then(const dolfinx::fem::FunctionSpace<double>& V, const std::ve
   dolfinx::la::Vector<std::int64_t> number(map, 1), count(map, 1);
   for (std::size_t i = 0; i < then.size(); ++i)
   {
-    number.mutable_array()[i] = std::max(then[i], std::int64_t(0));
-    count.mutable_array()[i] = then[i] >= 0;
+    common::array(number)[i] = std::max(then[i], std::int64_t(0));
+    common::array(count)[i] = then[i] >= 0;
   }
   number.scatter_rev(std::plus<std::int64_t>());
   count.scatter_rev(std::plus<std::int64_t>());
@@ -87,7 +88,7 @@ NodesThen nodes_then(const dolfinx::fem::FunctionSpace<double>& V, const std::ve
   for (std::size_t i = 0; i < num; ++i)
   {
     out.agreed = out.agreed && count.array()[i] > 0;
-    number.mutable_array()[i] /= std::max(count.array()[i], std::int64_t(1));
+    common::array(number)[i] /= std::max(count.array()[i], std::int64_t(1));
   }
   number.scatter_fwd();
   for (std::size_t i = 0; i < then.size(); ++i)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "FacingShares.h"
+#include "../common/dolfinx_api.h"
 #include "facing.h"
 #include <dolfinx/la/Vector.h>
 #include <functional>
@@ -31,10 +32,10 @@ std::vector<double> FacingShares::evaluate(const surface::Facets& slave, const R
   }
   const std::vector<std::int8_t> counts = counting(_map, slave, cosines);
   dolfinx::la::Vector<double> sums(_map, 1);
-  sums.set(0.0);
+  common::fill(sums, 0.0);
   for (std::size_t k = 0; k < _integrals.size(); ++k)
     if (counts[k])
-      sums.mutable_array()[slave.nodes[k]] += _integrals[k];
+      common::array(sums)[slave.nodes[k]] += _integrals[k];
   sums.scatter_rev(std::plus<double>());
   _aside = gap::aside(slave, counts);
   const std::vector<double> areas = _nodes.counted_area(_map, slave, counts);

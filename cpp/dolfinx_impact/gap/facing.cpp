@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "facing.h"
+#include "../common/dolfinx_api.h"
 #include "../common/vectors.h"
 #include <cmath>
 #include <dolfinx/la/Vector.h>
@@ -52,7 +53,7 @@ std::vector<std::int8_t> counting(const std::shared_ptr<const dolfinx::common::I
   const int n = slave.displacement.num_nodes(), gdim = slave.gdim;
   // Sums of the normals of facets that face the master, by node.
   dolfinx::la::Vector<double> sums(map, gdim);
-  sums.set(0.0);
+  common::fill(sums, 0.0);
   for (std::size_t f = 0; f < slave.size(); ++f)
   {
     if (cosines[f] < front)
@@ -60,7 +61,7 @@ std::vector<std::int8_t> counting(const std::shared_ptr<const dolfinx::common::I
     const FacetPoint p = at_centre(slave, f);
     for (int i = 0; i < n; ++i)
       for (int c = 0; c < gdim; ++c)
-        sums.mutable_array()[std::size_t(slave.nodes_of(f)[i]) * gdim + c] += p.normal[c];
+        common::array(sums)[std::size_t(slave.nodes_of(f)[i]) * gdim + c] += p.normal[c];
   }
   sums.scatter_rev(std::plus<double>());
   sums.scatter_fwd();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "CellFrequencies.h"
 #include "../common/OnAllRanks.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include <algorithm>
 #include <cmath>
@@ -69,7 +70,7 @@ std::vector<double> CellFrequencies::nodal_stiffness(std::span<const std::int8_t
   {
   }
   dolfinx::la::Vector<double> sums(dofmap.index_map, 1);
-  sums.set(0.0);
+  common::fill(sums, 0.0);
   for (std::size_t cell = 0; cell < num; ++cell)
     if (near[cell])
       for (std::size_t i = 0; i < n / bs; ++i)
@@ -77,7 +78,7 @@ std::vector<double> CellFrequencies::nodal_stiffness(std::span<const std::int8_t
         double mean = 0.0;
         for (std::size_t c = 0; c < bs; ++c)
           mean += m[cell * n + i * bs + c] / double(bs);
-        sums.mutable_array()[dofmap.cell_dofs(cell)[i]] += mean * std::max(spectra[3 * cell + 1], 0.0);
+        common::array(sums)[dofmap.cell_dofs(cell)[i]] += mean * std::max(spectra[3 * cell + 1], 0.0);
       }
   sums.scatter_rev(std::plus<double>());
   sums.scatter_fwd();
@@ -108,11 +109,11 @@ std::vector<double> CellFrequencies::nodal_masses() const
   const std::vector<double> m = masses();
   const std::size_t n = width(), bs = dofmap.bs();
   dolfinx::la::Vector<double> sums(dofmap.index_map, dofmap.index_map_bs());
-  sums.set(0.0);
+  common::fill(sums, 0.0);
   for (std::size_t cell = 0; cell < m.size() / n; ++cell)
     for (std::size_t i = 0; i < n / bs; ++i)
       for (std::size_t c = 0; c < bs; ++c)
-        sums.mutable_array()[bs * dofmap.cell_dofs(cell)[i] + c] += m[cell * n + i * bs + c];
+        common::array(sums)[bs * dofmap.cell_dofs(cell)[i] + c] += m[cell * n + i * bs + c];
   sums.scatter_rev(std::plus<double>());
   sums.scatter_fwd();
   return {sums.array().begin(), sums.array().end()};

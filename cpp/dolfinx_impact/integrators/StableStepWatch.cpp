@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "StableStepWatch.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include <algorithm>
 #include <cmath>
@@ -94,7 +95,7 @@ void StableStepWatch::restore(Seen seen)
       seen.reference.size() != owned)
     throw std::invalid_argument("what the watch of the stable step has seen is that of another problem");
   dolfinx::la::Vector<double> reference(_map, _bs);
-  std::ranges::copy(seen.reference, reference.mutable_array().begin());
+  std::ranges::copy(seen.reference, common::array(reference).begin());
   reference.scatter_fwd();
   seen.reference.assign(reference.array().begin(), reference.array().end());
   _seen = std::move(seen);

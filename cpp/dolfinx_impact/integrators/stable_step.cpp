@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "stable_step.h"
+#include "../common/dolfinx_api.h"
 #include <algorithm>
 #include <basix/cell.h>
 #include <cmath>
@@ -31,7 +32,7 @@ std::vector<double> cell_sizes(const dolfinx::mesh::Mesh<double>& mesh)
 {
   const auto& topology = *mesh.topology();
   const auto edges = basix::cell::topology(dolfinx::mesh::cell_type_to_basix_type(topology.cell_type()))[1];
-  const auto dofs = mesh.geometry().dofmap();
+  const auto dofs = common::geometry_dofmap(mesh);
   const std::span<const double> x = mesh.geometry().x();
   std::vector<double> out(topology.index_map(topology.dim())->size_local(), std::numeric_limits<double>::infinity());
   for (std::size_t cell = 0; cell < out.size(); ++cell)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "check.h"
+#include "../common/dolfinx_api.h"
 #include <basix/finite-element.h>
 #include <dolfinx/fem/DofMap.h>
 #include <dolfinx/fem/FiniteElement.h>
@@ -21,7 +22,7 @@ namespace
 
 void check_mesh(const impact_kernel& kernel, const dolfinx::mesh::Mesh<double>& mesh)
 {
-  const auto& cmap = mesh.geometry().cmap();
+  const auto& cmap = common::coordinate_element(mesh);
   const std::string cell = dolfinx::mesh::to_string(cmap.cell_shape());
   if (cell != kernel.cell)
     refuse(kernel, "cell type", kernel.cell, cell);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Batches.h"
+#include "../common/dolfinx_api.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/check.h"
 #include "lanes.h"
@@ -57,7 +58,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
   const std::string type = k.integral_type;
   _sides = type == "interior_facet" ? 2 : 1;
 
-  _x.num_nodes = _sides * _mesh->geometry().dofmap().extent(1);
+  _x.num_nodes = _sides * common::geometry_dofmap(*_mesh).extent(1);
   _x.block_size = 3;
   _x.gather = gather(_width, 3, 3);
   if (test)
@@ -130,7 +131,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     if (entities.size() % 2)
       throw std::invalid_argument("facet integrals take pairs (cell, local facet)");
     const int tdim = _mesh->topology()->dim();
-    const int num_facets = dolfinx::mesh::cell_num_entities(_mesh->geometry().cmap().cell_shape(), tdim - 1);
+    const int num_facets = dolfinx::mesh::cell_num_entities(common::coordinate_element(*_mesh).cell_shape(), tdim - 1);
     std::vector<std::vector<std::int32_t>> by_facet(num_facets); // all lanes of a batch share the local facet
     for (std::size_t i = 0; i < entities.size(); i += 2)
     {
@@ -276,7 +277,7 @@ void Batches::add_group(std::span<const std::int32_t> cells, int facet)
     _used.push_back(std::min<std::size_t>(_width, num - k * _width));
     _facet.push_back(facet);
   }
-  auto x_dofmap = _mesh->geometry().dofmap();
+  auto x_dofmap = common::geometry_dofmap(*_mesh);
   number_nodes([&](std::int32_t c) { return &x_dofmap(c, 0); }, padded, _sides, _width, _x.num_nodes, _x.dofs);
   if (_test_space)
   {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "CellBounds.h"
 #include "../common/OnAllRanks.h"
+#include "../common/dolfinx_api.h"
 #include "frequency.h"
 #include <algorithm>
 #include <cmath>
@@ -57,22 +58,22 @@ std::vector<double> CellBounds::spectra(std::span<const double> masses, CellMask
   if (joins)
   {
     dolfinx::la::Vector<double> m(map, width);
-    std::ranges::copy(masses, m.mutable_array().begin());
+    std::ranges::copy(masses, common::array(m).begin());
     m.scatter_fwd();
     all_masses.assign(m.array().begin(), m.array().end());
     masses = all_masses;
     if (only)
     {
       dolfinx::la::Vector<std::int8_t> chosen(map, 1);
-      std::ranges::copy(*only, chosen.mutable_array().begin());
+      std::ranges::copy(*only, common::array(chosen).begin());
       chosen.scatter_fwd();
       all_chosen.assign(chosen.array().begin(), chosen.array().end());
       only = all_chosen;
     }
   }
   dolfinx::la::Vector<double> sums(map, 3);
-  sums.set(0.0);
-  const std::span<double> out = sums.mutable_array();
+  common::fill(sums, 0.0);
+  const std::span<double> out = common::array(sums);
   const bool some_vary = std::ranges::any_of(_parts, [](const Part& part) { return part.varies; });
   int failed = 0;
   for (std::size_t p = 0; p < _parts.size(); ++p)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "CellValues.h"
+#include "../common/dolfinx_api.h"
 #include "../kernels/check.h"
 #include "CellMatrix.h"
 #include <algorithm>
@@ -16,8 +17,8 @@ CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, cons
 CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, std::vector<Source> sources,
                        std::shared_ptr<const PointHistory> history)
     : _kernel(kernel), _space(V), _sources(std::move(sources)), _fields(_sources.size()), _history(std::move(history)),
-      _w(kernel.size_w),
-      _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) * V.mesh()->geometry().dofmap().extent(1))
+      _w(kernel.size_w), _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) *
+                                common::geometry_dofmap(*V.mesh()).extent(1))
 {
   kernels::check_mesh(kernel, *V.mesh());
   kernels::check_without_outputs(kernel);
@@ -80,7 +81,7 @@ void CellValues::check(int coefficient) const
 
 void CellValues::gather(std::int32_t cell, int side)
 {
-  const auto x_dofmap = _space.mesh()->geometry().dofmap();
+  const auto x_dofmap = common::geometry_dofmap(*_space.mesh());
   const auto x = _space.mesh()->geometry().x();
   double* nodes = _nodes.data() + 3 * side * x_dofmap.extent(1);
   for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "InternalForce.h"
+#include "../common/dolfinx_api.h"
 #include "../common/text.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
@@ -47,8 +48,8 @@ void InternalForce::assemble(std::span<double> b) const
 
 void InternalForce::apply(dolfinx::la::Vector<double>& b) const
 {
-  b.set(0.0);
-  assemble(b.mutable_array());
+  common::fill(b, 0.0);
+  assemble(common::array(b));
   b.scatter_rev(std::plus<double>());
   b.scatter_fwd();
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "KernelTangent.h"
+#include "../common/dolfinx_api.h"
 #include "../kernels/check.h"
 #include <algorithm>
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/fem/petsc.h>
-#include <dolfinx/fem/sparsitybuild.h>
 #include <dolfinx/la/petsc.h>
 #include <stdexcept>
 
@@ -106,8 +106,7 @@ KernelTangent::KernelTangent(const std::array<std::shared_ptr<const FunctionSpac
       _other ? dolfinx::fem::create_sparsity_pattern(*_other) : empty_pattern(*V[0], *V[1]);
   for (const Part& part : _parts)
   {
-    const std::vector<std::int32_t> cells = part.cells();
-    dolfinx::fem::sparsitybuild::cells(pattern, {cells, cells}, {*V[0]->dofmap(), *V[1]->dofmap()});
+    common::insert_cells(pattern, part.cells(), *V[0]->dofmap(), *V[1]->dofmap());
     _A.resize(std::max(_A.size(), std::size_t(part.matrix.num_rows()) * part.matrix.num_columns()));
   }
   pattern.finalize();
@@ -153,12 +152,14 @@ void KernelTangent::assemble(const BoundaryConditions& bcs)
   for (Part& part : _parts)
     add(part, constrained);
   if (_other)
-    dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES), *_other, bcs);
+    dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES), *_other,
+                                  common::boundary_conditions(bcs));
   if (!bcs.empty() && _V[0] == _V[1])
   {
     MatAssemblyBegin(_matrix, MAT_FLUSH_ASSEMBLY);
     MatAssemblyEnd(_matrix, MAT_FLUSH_ASSEMBLY);
-    dolfinx::fem::set_diagonal(dolfinx::la::petsc::Matrix::set_fn(_matrix, INSERT_VALUES), *_V[0], bcs);
+    dolfinx::fem::set_diagonal(dolfinx::la::petsc::Matrix::set_fn(_matrix, INSERT_VALUES), *_V[0],
+                               common::boundary_conditions(bcs));
   }
   MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY);
   MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY);

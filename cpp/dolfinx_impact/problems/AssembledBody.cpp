@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "AssembledBody.h"
+#include "../common/dolfinx_api.h"
 #include "../operators/petsc_check.h"
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/la/petsc.h>
@@ -56,7 +57,7 @@ Vec AssembledBody::residual()
 {
   update_ghosts();
   const operators::Entries values(_residual); // those of _values; PETSc is told that they change
-  std::span<double> b = _values.mutable_array();
+  std::span<double> b = common::array(_values);
   for (std::size_t i = 0; i < b.size(); ++i)
     b[i] = -_loads[i];
   std::fill(b.begin() + std::ptrdiff_t(values.size()), b.end(), 0.0); // ghosts

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "DynamicMaterial.h"
+#include "../common/dolfinx_api.h"
 #include "../operators/lump.h"
 #include <algorithm>
 #include <array>
@@ -10,7 +11,7 @@ namespace dolfinx_impact::problems
 {
 KernelFinder::KernelFinder(const dolfinx::fem::FunctionSpace<double>& V)
     : _key{"", dolfinx::mesh::to_string(V.mesh()->topology()->cell_type()), V.element()->basix_element().degree(),
-           V.mesh()->geometry().cmap().degree()}
+           common::coordinate_element(*V.mesh()).degree()}
 {
 }
 

@@ -2,6 +2,7 @@
 #include "ExplicitProblem.h"
 #include "../common/OnAllRanks.h"
 #include "../common/agree.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
 #include "../enforcement/node_to_surface/KinematicContact.h"
@@ -106,7 +107,7 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
   };
   const auto frequency_stiffness = [&](std::span<const std::int8_t> nodes)
   {
-    const Rest rest(u.x()->mutable_array());
+    const Rest rest(common::array(*u.x()));
     return body.frequencies->nodal_stiffness(nodes);
   };
   std::optional<std::span<const double>> moduli;
@@ -321,7 +322,7 @@ state::State ExplicitProblem::state()
   state::State out("explicit problem");
   const std::size_t bs = _u->function_space()->dofmap()->index_map_bs();
   const auto add = [&](const char* name, Function& f)
-  { out.add(name, state::Place::node, state::View(f.x()->mutable_array().first(num_owned())), bs); };
+  { out.add(name, state::Place::node, state::View(common::array(*f.x()).first(num_owned())), bs); };
   add("displacement", *_u);
   add("velocity", *_v);
   add("acceleration", *_a);
@@ -338,7 +339,7 @@ void ExplicitProblem::update_motion()
 void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();
-  _stepper.start(_u->x()->array().first(owned), _v->x()->array().first(owned), observer);
+  _stepper.start(common::array(*_u->x()).first(owned), common::array(*_v->x()).first(owned), observer);
   update_motion();
 }
 

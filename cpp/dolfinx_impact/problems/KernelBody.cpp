@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "KernelBody.h"
+#include "../common/dolfinx_api.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/constants.h"
 #include <algorithm>
@@ -28,7 +29,8 @@ std::vector<operators::Integral> integrals(const operators::FunctionSpace& V, co
 {
   const auto& mesh = *V.mesh();
   const kernels::Key key{material.name + kind, dolfinx::mesh::to_string(mesh.topology()->cell_type()),
-                         V.element()->basix_element().degree(), mesh.geometry().cmap().degree(), material.hypothesis};
+                         V.element()->basix_element().degree(), common::coordinate_element(mesh).degree(),
+                         material.hypothesis};
   std::vector<operators::Integral> out;
   for (const impact_kernel* kernel : kernels::find(key))
     out.push_back({kernel, cells, kernels::constants(*kernel, material.constants)});

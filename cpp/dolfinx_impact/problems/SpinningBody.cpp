@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "SpinningBody.h"
+#include "../common/dolfinx_api.h"
 #include "../kernels/KernelTable.h"
 #include "../kernels/constants.h"
 #include "../operators/InternalForce.h"
@@ -27,7 +28,8 @@ std::vector<operators::Integral> integrals(const std::string& name, const operat
   const std::map<std::string, std::vector<double>> values{
       {"spin", axis}, {"centre", {spin->point.begin(), spin->point.begin() + gdim}}, {"density", {material.density}}};
   const kernels::Key key{name, dolfinx::mesh::to_string(mesh.topology()->cell_type()),
-                         V.element()->basix_element().degree(), mesh.geometry().cmap().degree(), material.hypothesis};
+                         V.element()->basix_element().degree(), common::coordinate_element(mesh).degree(),
+                         material.hypothesis};
   std::vector<operators::Integral> out;
   for (const impact_kernel* kernel : kernels::find(key))
     out.push_back({kernel, material.cells, kernels::constants(*kernel, values)});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "StaticProblem.h"
+#include "../common/dolfinx_api.h"
 #include "../operators/petsc_check.h"
 #include "OneCall.h"
 #include <algorithm>
@@ -93,7 +94,7 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
     contact->check_parameters();
   dolfinx::la::Vector<double> target(*p.u->x());
   for (const auto& bc : _bcs)
-    bc->set(target.mutable_array(), std::nullopt, 1.0);
+    bc->set(common::array(target), std::nullopt, 1.0);
   target.scatter_fwd();
   solve::LoadSteps steps(_equilibrium, {target.array().begin(), target.array().end()}, _loads, _obstacles, events);
   const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
@@ -125,8 +126,7 @@ state::State StaticProblem::state()
   state::State out("static problem");
   const auto u = _equilibrium->u->x();
   const std::size_t bs = _equilibrium->space().dofmap()->index_map_bs();
-  out.add("displacement", state::Place::node, state::View(u->mutable_array().subspan(0, _equilibrium->num_owned())),
-          bs);
+  out.add("displacement", state::Place::node, state::View(common::array(*u).subspan(0, _equilibrium->num_owned())), bs);
   out.add(_equilibrium->body->state());
   for (std::size_t i = 0; i < _loads.size(); ++i)
     out.add("load " + std::to_string(i), state::Place::rank, state::View(_loads[i].reached));

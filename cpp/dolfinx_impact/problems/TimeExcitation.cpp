@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "TimeExcitation.h"
+#include "../common/dolfinx_api.h"
 #include <algorithm>
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/la/Vector.h>
@@ -112,8 +113,8 @@ std::vector<double> TimeExcitation::external_forces()
     return out;
   const auto& dofmap = *_loads.work->function_spaces()[0]->dofmap();
   dolfinx::la::Vector<double> b(dofmap.index_map, dofmap.index_map_bs());
-  b.set(0.0);
-  dolfinx::fem::assemble_vector(b.mutable_array(), *_loads.work);
+  common::fill(b, 0.0);
+  dolfinx::fem::assemble_vector(common::array(b), *_loads.work);
   b.scatter_rev(std::plus<double>());
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] += b.array()[i];

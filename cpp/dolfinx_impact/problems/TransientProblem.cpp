@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "TransientProblem.h"
+#include "../common/dolfinx_api.h"
 #include <algorithm>
 #include <stdexcept>
 
@@ -26,7 +27,7 @@ void TransientProblem::set_motion(std::span<const double> u, std::span<const dou
 {
   const auto set = [](Function& f, std::span<const double> values)
   {
-    std::copy(values.begin(), values.end(), f.x()->mutable_array().begin());
+    std::copy(values.begin(), values.end(), common::array(*f.x()).begin());
     f.x()->scatter_fwd();
   };
   set(*_u, u);

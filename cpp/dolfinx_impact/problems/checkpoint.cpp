@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "checkpoint.h"
 #include "../common/OnAllRanks.h"
+#include "../common/dolfinx_api.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -40,7 +41,7 @@ files::Identity identity_of(const std::string& kind, const dolfinx::fem::Functio
   const auto& mesh = *V.mesh();
   files::Attributes attributes{{"problem", kind},
                                {"cell", dolfinx::mesh::to_string(mesh.topology()->cell_type())},
-                               {"degree of the geometry", std::int64_t(mesh.geometry().cmap().degree())},
+                               {"degree of the geometry", std::int64_t(common::coordinate_element(mesh).degree())},
                                {"components", std::int64_t(V.dofmap()->index_map_bs())}};
   attributes.insert(attributes.end(), more.begin(), more.end());
   return {std::move(attributes), supports_of(V, mask)};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "equilibrium_start.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../operators/saved_history.h"
 #include "SpringStart.h"
@@ -42,7 +43,7 @@ void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumPr
     if (common::largest(comm, presses ? 1.0 : 0.0) == 0.0)
       continue;
     SpringStart start(contacts[k], problem, k, false);
-    start.move(u->x()->mutable_array(), start.approach());
+    start.move(common::array(*u->x()), start.approach());
     if (contacts[k]->has_multipliers())
       starts.push_back(std::move(start));
   }

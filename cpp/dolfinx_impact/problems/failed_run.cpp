@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "failed_run.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
 #include <algorithm>
@@ -48,7 +49,7 @@ std::string describe_node(const dolfinx::fem::FunctionSpace<double>& V, std::int
     cells->local_to_global(std::span(&cell, 1), std::span(&number, 1));
   std::string out = "cell " + std::to_string(number) + " (number in the mesh's input) at " +
                     common::place({x, std::size_t(mesh.geometry().dim())});
-  const auto dofmap = mesh.geometry().dofmap();
+  const auto dofmap = common::geometry_dofmap(mesh);
   double lowest[3], highest[3], nearest = std::numeric_limits<double>::infinity(), size = 0.0;
   std::fill_n(lowest, 3, nearest);
   std::fill_n(highest, 3, -nearest);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "implicit_body.h"
 #include "../common/agree.h"
+#include "../common/dolfinx_api.h"
 #include "../integrators/newmark/MassRedistribution.h"
 #include "../kernels/constants.h"
 #include "../operators/CellValues.h"
@@ -42,7 +43,7 @@ public:
     _u->x()->scatter_fwd();
     _v->x()->scatter_fwd();
     _forces.apply(_values);
-    const auto values = _values.array();
+    const std::span<const double> values = common::array(_values);
     const auto& dofmap = *_u->function_space()->dofmap();
     return {values.begin(), values.begin() + dofmap.index_map->size_local() * dofmap.index_map_bs()};
   }
@@ -130,8 +131,8 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
   const KernelFinder kernels(*V);
   std::vector<Integral> masses, damping, tangents;
   dolfinx::la::Vector<double> total(dofmap.index_map, bs), moved(dofmap.index_map, bs);
-  total.set(0.0);
-  moved.set(0.0);
+  common::fill(total, 0.0);
+  common::fill(moved, 0.0);
   std::vector<std::vector<std::int32_t>> cells;
   std::optional<integrators::MassRedistribution> surface;
   int any = !options.massless_facets.empty();
@@ -164,7 +165,7 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
       {
         const auto nodes = dofmap.cell_dofs(of[k]);
         for (std::size_t i = 0; i < width; ++i)
-          out.mutable_array()[bs * nodes[i / bs] + i % bs] += values[i];
+          common::array(out)[bs * nodes[i / bs] + i % bs] += values[i];
       };
       sum(total, one);
       if (surface && options.lumping)
@@ -190,7 +191,7 @@ ImplicitBody implicit_body(const std::shared_ptr<Function>& u, const std::shared
     massless[i] = surface->massless()[i / bs] && !fixed[i];
   Mat matrix = nullptr;
   if (options.lumping)
-    matrix = diagonal_matrix(*V, (surface ? moved : total).array().subspan(0, owned));
+    matrix = diagonal_matrix(*V, common::array(surface ? moved : total).subspan(0, owned));
   else
   {
     operators::KernelTangent assembled({V, V}, masses, {});

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "implicit_state.h"
+#include "../common/dolfinx_api.h"
 #include "../state/numbers.h"
 #include "contact_states.h"
 #include <algorithm>
@@ -81,7 +82,7 @@ void resume(NewmarkProblem& problem, const State& saved)
   if (obstacles.size() != 3 * p.contacts.size() || displacement.size() != p.num_owned())
     throw std::invalid_argument("the state of an implicit problem with other contacts or degrees of freedom");
   stepper.start_displacement() = vector(saved, "start");
-  std::ranges::copy(displacement, p.u->x()->mutable_array().begin());
+  std::ranges::copy(displacement, common::array(*p.u->x()).begin());
   p.u->x()->scatter_fwd();
   if (const State bodies = p.body->saved_state(); !bodies.fields().empty())
     p.body->resume(saved.part("material"));

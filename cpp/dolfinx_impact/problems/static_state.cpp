@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "static_state.h"
+#include "../common/dolfinx_api.h"
 #include "contact_states.h"
 #include <algorithm>
 #include <stdexcept>
@@ -24,7 +25,7 @@ State saved_state(StaticProblem& problem)
 {
   const solve::EquilibriumProblem& p = *problem.equilibrium();
   State out("static problem");
-  const auto u = p.u->x()->array().subspan(0, p.num_owned());
+  const auto u = common::array(*p.u->x()).subspan(0, p.num_owned());
   out.add_own("displacement", Place::node, std::vector<double>(u.begin(), u.end()), p.space().dofmap()->index_map_bs());
   if (State bodies = p.body->saved_state(); !bodies.fields().empty())
     out.add(std::move(bodies));
@@ -52,7 +53,7 @@ void resume(StaticProblem& problem, const State& saved)
       throw std::invalid_argument("load " + std::to_string(i) + " has another number of values");
   for (std::size_t i = 0; i < problem.loads().size(); ++i)
     std::ranges::copy(reached.values<double>("load " + std::to_string(i)), problem.loads()[i].reached.begin());
-  std::ranges::copy(saved.values<double>("displacement"), p.u->x()->mutable_array().begin());
+  std::ranges::copy(saved.values<double>("displacement"), common::array(*p.u->x()).begin());
   problem.resume();
   if (const State bodies = p.body->saved_state(); !bodies.fields().empty())
     p.body->resume(saved.part("material"));

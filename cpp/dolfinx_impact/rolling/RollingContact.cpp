@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "RollingContact.h"
 #include "../common/OnAllRanks.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
 #include "../common/vectors.h"
@@ -374,7 +375,7 @@ std::vector<std::int8_t> RollingContact::carriers() const
 std::vector<std::int8_t> RollingContact::with_neighbours(const std::vector<std::int8_t>& chosen) const
 {
   dolfinx::la::Vector<double> mark(geometry().map(), 1);
-  const std::span<double> values = mark.mutable_array();
+  const std::span<double> values = common::array(mark);
   std::ranges::fill(values, 0.0);
   for (std::size_t i = 0; i < chosen.size(); ++i)
     values[nodes()[i]] = chosen[i];

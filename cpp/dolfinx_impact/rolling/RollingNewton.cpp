@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "RollingNewton.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
 #include "../common/vectors.h"
@@ -87,7 +88,7 @@ solve::Increment RollingNewton::with_friction(std::span<const double> target)
 {
   const solve::EquilibriumProblem& p = *_problem;
   const std::span<const std::int32_t> fixed = _frictionless.prescribed();
-  const std::span<double> u = p.u->x()->mutable_array();
+  const std::span<double> u = common::array(*p.u->x());
   solve::Increment result;
   double scale = 0.0;
   int changes = 0;
@@ -223,7 +224,7 @@ std::pair<std::string, int> RollingNewton::solve_linearised(Mat K, std::span<con
   }
   for (std::size_t k = 0; k < _contacts.size(); ++k)
     _contacts[k]->set_tractions(at.multipliers[k], at.laws[k]);
-  const std::span<double> u = p.u->x()->mutable_array();
+  const std::span<double> u = common::array(*p.u->x());
   for (std::size_t k = 0; k < moved.size(); ++k)
     u[k] += moved[k];
   p.u->x()->scatter_fwd();

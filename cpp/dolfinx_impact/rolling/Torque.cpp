@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Torque.h"
+#include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/vectors.h"
 #include <algorithm>
@@ -28,7 +29,7 @@ double Torque::sum_over_ranks(double here) const
 std::array<double, 3> Torque::axle() const
 {
   std::array<double, 6> sums{}; // numbers of prescribed components, then sums of their displacements
-  const auto u = _problem->u->x()->array();
+  const std::span<const double> u = common::array(*_problem->u->x());
   for (std::int32_t node : _nodes)
     for (int c = 0; c < _gdim; ++c)
       if (const std::size_t dof = std::size_t(node) * _gdim + c; _problem->fixed[dof])
@@ -53,7 +54,7 @@ void Torque::turned(const double* vector, double* out) const
 std::vector<double> Torque::deformed() const
 {
   const std::array<double, 3> axle = this->axle();
-  const auto u = _problem->u->x()->array();
+  const std::span<const double> u = common::array(*_problem->u->x());
   std::vector<double> out(_nodes.size() * _gdim);
   for (std::size_t i = 0; i < _nodes.size(); ++i)
   {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Exchange.h"
+#include "../common/dolfinx_api.h"
 #include "facet_exchange.h"
 #include <algorithm>
 #include <functional>
@@ -72,7 +73,7 @@ void Exchange::forward(std::span<const double> u, std::span<double> values) cons
   const std::size_t owned = std::size_t(map()->size_local()) * _slave.gdim;
   if (u.size() < owned || values.size() != size())
     throw std::invalid_argument("forward takes a vector of the space and one of the nodal map's size");
-  std::copy_n(u.begin(), owned, _values->mutable_array().begin());
+  std::copy_n(u.begin(), owned, common::array(*_values).begin());
   _values->scatter_fwd();
   std::copy_n(_values->array().begin(), size(), values.begin());
 }
@@ -82,7 +83,7 @@ void Exchange::reverse(std::span<const double> values, std::span<double> b) cons
   const std::size_t owned = std::size_t(map()->size_local()) * _slave.gdim;
   if (b.size() < owned || values.size() != size())
     throw std::invalid_argument("reverse takes a vector of the nodal map's size and one of the space");
-  std::copy_n(values.begin(), size(), _values->mutable_array().begin());
+  std::copy_n(values.begin(), size(), common::array(*_values).begin());
   _values->scatter_rev(std::plus<double>());
   for (std::size_t i = 0; i < owned; ++i)
     b[i] += _values->array()[i];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "facet_exchange.h"
+#include "../common/dolfinx_api.h"
 #include "BoxTree.h"
 #include "boxes.h"
 #include <algorithm>
@@ -52,7 +53,7 @@ std::vector<T> exchange_rows(MPI_Comm neighbours, const std::vector<T>& send, co
                              const std::vector<int>& recv_counts, int width)
 {
   MPI_Datatype row;
-  MPI_Type_contiguous(width, dolfinx::MPI::mpi_type<T>(), &row);
+  MPI_Type_contiguous(width, common::mpi_type<T>(), &row);
   MPI_Type_commit(&row);
   const std::vector<int> from = offsets(recv_counts), to = offsets(send_counts);
   std::vector<T> received(std::size_t(from.back()) * width);

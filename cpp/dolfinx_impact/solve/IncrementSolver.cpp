@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "IncrementSolver.h"
+#include "../common/dolfinx_api.h"
 #include "../common/text.h"
 #include "../operators/PetscErrorText.h"
 #include "../operators/petsc_check.h"
@@ -222,7 +223,7 @@ void IncrementSolver::copy_to_u(Vec x)
 {
   const double* values = nullptr;
   check(VecGetArrayRead(x, &values), "a vector is read");
-  std::copy_n(values, _problem->num_owned(), _problem->u->x()->mutable_array().begin());
+  std::copy_n(values, _problem->num_owned(), common::array(*_problem->u->x()).begin());
   check(VecRestoreArrayRead(x, &values), "a vector is read");
   _problem->u->x()->scatter_fwd();
 }
@@ -333,7 +334,7 @@ Increment IncrementSolver::run_other(std::span<const double> target)
     check(SNESSetJacobian(_snes, _J, _J, &IncrementSolver::linearise, this), "a solver is made");
   }
   _scale = std::max(newton.norm(forces), newton.tangent_force(K));
-  const std::span<double> u = p.u->x()->mutable_array();
+  const std::span<double> u = common::array(*p.u->x());
   std::vector<double> jump;
   for (std::int32_t dof : newton.prescribed())
     jump.push_back(target[dof] - u[dof]);

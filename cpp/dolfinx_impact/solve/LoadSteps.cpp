@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "LoadSteps.h"
+#include "../common/dolfinx_api.h"
 #include "../common/text.h"
 #include "equilibrium.h"
 #include <algorithm>
@@ -73,7 +74,7 @@ void LoadSteps::begin(double fraction)
 /// Displacements and contacts are those of the start of the increment again.
 void LoadSteps::go_back(std::span<const double> u, const std::vector<state::State>& contacts)
 {
-  std::ranges::copy(u, _problem->u->x()->mutable_array().begin());
+  std::ranges::copy(u, common::array(*_problem->u->x()).begin());
   for (std::size_t k = 0; k < contacts.size(); ++k)
     _problem->contacts[k]->state().assign(contacts[k]);
 }

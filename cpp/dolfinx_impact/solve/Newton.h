@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../common/dolfinx_api.h"
 #include "ActiveSetIteration.h"
 #include "EquilibriumProblem.h"
 #include "FieldResiduals.h"
@@ -136,7 +137,7 @@ private:
   double residual_norm();
   void log(const std::string& text) const;
 
-  std::span<double> u() const { return _problem->u->x()->mutable_array(); }
+  std::span<double> u() const { return common::array(*_problem->u->x()); }
 
   std::shared_ptr<const EquilibriumProblem> _problem;
   NewtonOptions _options;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Surface.h"
+#include "../common/dolfinx_api.h"
 #include "normals.h"
 #include <algorithm>
 #include <cmath>
@@ -78,14 +79,14 @@ void check(const FunctionSpace& V)
   const int gdim = V.mesh()->geometry().dim(), tdim = V.mesh()->topology()->dim();
   if (gdim != tdim)
     throw std::invalid_argument("contact needs a mesh whose cells have the dimension of space");
-  const bool blocked = element.block_size() == gdim && V.value_shape().size() == 1;
+  const bool blocked = element.block_size() == gdim && common::value_shape(V).size() == 1;
   if (!blocked || element.basix_element().family() != basix::element::family::P ||
       element.basix_element().discontinuous())
     throw std::invalid_argument("contact needs displacements in a Lagrange space with one component per dimension");
   if (const int degree = element.basix_element().degree(); degree > 2)
     throw std::invalid_argument("contact knows displacements of degree 1 and 2, this space has degree " +
                                 std::to_string(degree));
-  if (V.mesh()->geometry().cmap().degree() > 2)
+  if (common::coordinate_element(*V.mesh()).degree() > 2)
     throw std::invalid_argument("contact knows meshes of geometry degree 1 and 2");
 }
 } // namespace
@@ -95,7 +96,7 @@ Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets
   check(V);
   const auto& mesh = *V.mesh();
   const auto& geometry = mesh.geometry();
-  const auto& cmap = geometry.cmap();
+  const auto& cmap = common::coordinate_element(mesh);
   auto topology = mesh.topology();
   const int tdim = topology->dim(), gdim = geometry.dim();
   const CellType cell = topology->cell_type();
@@ -140,7 +141,7 @@ Facets make_surface(const FunctionSpace& V, std::span<const std::int32_t> facets
     const auto blocks = V.dofmap()->cell_dofs(c);
     for (int d : dofs[local])
       out.nodes.push_back(blocks[d]);
-    const auto points = geometry.dofmap();
+    const auto points = common::geometry_dofmap(mesh);
     const auto coordinates = geometry.x();
     double centre[3] = {0.0, 0.0, 0.0};
     for (int p = 0; p < num_points; ++p)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "smooth.h"
+#include "../common/dolfinx_api.h"
 #include "../common/vectors.h"
 #include <algorithm>
 #include <array>
@@ -179,8 +180,8 @@ private:
     check_error(comm, MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
     std::partial_sum(counts.begin(), counts.end(), first.begin() + 1);
     std::vector<T> out(first.back());
-    check_error(comm, MPI_Allgatherv(mine.data(), count, dolfinx::MPI::mpi_type<T>(), out.data(), counts.data(),
-                                     first.data(), dolfinx::MPI::mpi_type<T>(), comm));
+    check_error(comm, MPI_Allgatherv(mine.data(), count, common::mpi_type<T>(), out.data(), counts.data(), first.data(),
+                                     common::mpi_type<T>(), comm));
     return out;
   }
 

@@ -9,6 +9,7 @@ import numpy as np
 from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
+from .. import compat
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import FloatArray, IntArray
 from ..inelastic import InelasticMaterial
@@ -34,7 +35,8 @@ def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
         Angles from 0 to pi, (num_cells) [rad].
     """
     V: FunctionSpace = u.function_space
-    geometry, gdim = V.mesh.geometry, V.mesh.geometry.dim
+    x, gdim = V.mesh.geometry.x, V.mesh.geometry.dim
+    dofmap = compat.geometry_dofmap(V.mesh)
     coordinates = V.mesh.ufl_domain().ufl_coordinate_element().basix_element
     middle = np.asarray(basix.geometry(coordinates.cell_type)).mean(axis=0)[None, :]
     shape = V.element.basix_element.tabulate(1, middle)[1:, 0, :, 0]
@@ -42,7 +44,7 @@ def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
     values, out = u.x.array.reshape(-1, gdim), np.empty(len(cells))
     for first in range(0, len(cells), CHUNK):
         chunk = cells[first : first + CHUNK]
-        place = np.einsum("cni,kn->cik", geometry.x[geometry.dofmap[chunk], :gdim], shape_of_place)
+        place = np.einsum("cni,kn->cik", x[dofmap[chunk], :gdim], shape_of_place)
         moved = np.einsum("cni,kn->cik", values[V.dofmap.list[chunk]], shape)
         F = np.eye(gdim) + moved @ np.linalg.inv(place)
         if gdim == 2:

@@ -12,7 +12,7 @@ from dolfinx.fem import FunctionSpace, functionspace
 from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
-from .. import _cpp
+from .. import _cpp, compat
 from ..common import arguments
 from . import operators, problem_arguments
 from ..common.collective import comm_of, guard
@@ -37,7 +37,7 @@ def mass_measure(
     mixed."""
     mesh = V.mesh
     cell, p = mesh.topology.cell_name(), V.element.basix_element.degree if field is None else field.degree
-    used = degree or quadrature.mass_degree(cell, p, mesh.geometry.cmap.degree, hypothesis)
+    used = degree or quadrature.mass_degree(cell, p, compat.coordinate_element(mesh).degree, hypothesis)
     return ufl.Measure("dx", domain=mesh, metadata=quadrature.metadata(used, rule), subdomain_data=cell_tags)
 
 

@@ -17,7 +17,7 @@ from .averaged_form import compile_columns, split_averages
 from .ffcx_form import ffcx_form
 from .interior_facets import interior_facets
 from ..common.described import Described
-from .. import _cpp
+from .. import _cpp, compat
 from ..common import arguments
 from ..common.collective import comm_of, guard, same
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
@@ -67,7 +67,7 @@ def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int,
     facets = cpp.mesh.exterior_facet_indices(topology)
     if subdomain != -1:
         facets = np.intersect1d(_tagged(data, subdomain, "ds", tdim - 1), facets)
-    return cpp.fem.compute_integration_domains(fem.IntegralType.exterior_facet, topology, facets, tdim - 1)
+    return compat.facet_entities(topology, facets)
 
 
 def _choose(V: FunctionSpace, entities: IntArray, integral_type: str, part: str) -> IntArray:
@@ -611,7 +611,7 @@ class PointValues:
                 raise TypeError(f"PointValues takes a UFL expression, found {type(expression).__name__}")
             domain = ufl.domain.extract_unique_domain(expression)
             self.mesh = _cargo(domain)
-            points = arguments.reference_points(points, self.mesh.topology.dim, domain.ufl_cell().cellname())
+            points = arguments.reference_points(points, self.mesh.topology.dim, compat.cell_name(domain))
             ranks.same(shape=expression.ufl_shape, points=points)
         self._shape = expression.ufl_shape
         self.compiled = compile_expression(expression, points)
@@ -641,7 +641,7 @@ class PointValues:
             parts.append((e["offset"], f.x.array.reshape(-1, dofmap.bs)[dofmap.list[:num_cells]]))
         columns = [v.reshape(num_cells, math.prod(v.shape[1:])) for _, v in sorted(parts, key=lambda part: part[0])]
         w = np.hstack(columns) if columns else np.empty((num_cells, 0))
-        x = self.mesh.geometry.x[self.mesh.geometry.dofmap[:num_cells]]
+        x = self.mesh.geometry.x[compat.geometry_dofmap(self.mesh)[:num_cells]]
         self.kernel.tabulate_cells(out.reshape(-1), w.reshape(-1), c, x.reshape(-1), num_cells)
         return out
 
@@ -703,7 +703,7 @@ def cells_measure(u: Function, material: Material) -> tuple[ufl.Measure, int]:
     degree = quadrature.stiffness_degree(
         mesh.topology.cell_name(),
         V.element.basix_element.degree,
-        mesh.geometry.cmap.degree,
+        compat.coordinate_element(mesh).degree,
         material.hypothesis_on(mesh),
     )
     metadata = quadrature.metadata(degree)
@@ -727,7 +727,7 @@ def sum_materials(
     dx, _ = cells_measure(u, material)
     if inertia:
         V, mesh = u.function_space, u.function_space.mesh
-        cell, p, g = mesh.topology.cell_name(), V.element.basix_element.degree, mesh.geometry.cmap.degree
+        cell, p, g = mesh.topology.cell_name(), V.element.basix_element.degree, compat.coordinate_element(mesh).degree
         dx = dx(metadata=quadrature.metadata(quadrature.mass_degree(cell, p, g, material.hypothesis_on(mesh))))
     return sum(term(m, dx if tag is None else dx(tag)) for tag, m in material.parts())
 

@@ -9,7 +9,7 @@ import numpy as np
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 
-from .. import _cpp
+from .. import _cpp, compat
 from ..common.types import FloatArray, IntArray
 
 
@@ -33,4 +33,4 @@ def packed_cells(
         dofmap = f.function_space.dofmap
         values = f.x.array.reshape(-1, dofmap.bs)[dofmap.list[cells]]
         w[:, c["offset"] : c["offset"] + c["num_dofs"]] = values.reshape(len(cells), c["num_dofs"])
-    return w, mesh.geometry.x[mesh.geometry.dofmap[cells]]
+    return w, mesh.geometry.x[compat.geometry_dofmap(mesh)[cells]]

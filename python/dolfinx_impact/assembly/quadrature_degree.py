@@ -12,6 +12,7 @@ import ufl
 from dolfinx.fem import Function, FunctionSpace
 from ufl.algorithms import compute_form_data
 
+from .. import compat
 from ..common import arguments
 from ..common.collective import comm_of, guard
 from ..forms import quadrature
@@ -48,7 +49,7 @@ def quadrature_degree(u: Function | FunctionSpace, hypothesis: str | None = None
 def _degree(V: FunctionSpace, hypothesis: str | None, values: bool) -> int:
     mesh = V.mesh
     p = max(f.degree for f in fields_of(V)) if is_mixed(V) else V.element.basix_element.degree
-    cell, g, weight = mesh.topology.cell_name(), mesh.geometry.cmap.degree, hypothesis or "plane_strain"
+    cell, g, weight = mesh.topology.cell_name(), compat.coordinate_element(mesh).degree, hypothesis or "plane_strain"
     find = quadrature.mass_degree if values else quadrature.stiffness_degree
     return int(find("triangle" if cell == "interval" else cell, p, g, weight))
 

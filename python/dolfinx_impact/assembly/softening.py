@@ -8,6 +8,7 @@ from dolfinx.fem import Function
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from .. import compat
 from ..common.types import IntArray
 from ..materials import Material
 from ..plasticity import J2Plasticity
@@ -49,7 +50,7 @@ def _lengths(mesh: Mesh, cells: IntArray | None) -> tuple[float, float, float]:
     tdim, num_owned = mesh.topology.dim, mesh.topology.index_map(mesh.topology.dim).size_local
     cells = np.arange(num_owned, dtype=np.int32) if cells is None else cells[cells < num_owned]
     h = mesh.h(tdim, cells)
-    x = mesh.geometry.x[np.unique(mesh.geometry.dofmap[cells])]
+    x = mesh.geometry.x[np.unique(compat.geometry_dofmap(mesh)[cells])]
     low = np.concatenate([[h.min(initial=np.inf)], x.min(axis=0, initial=np.inf)])
     high = np.concatenate([[h.max(initial=-np.inf)], x.max(axis=0, initial=-np.inf)])
     mesh.comm.Allreduce(MPI.IN_PLACE, low, op=MPI.MIN)

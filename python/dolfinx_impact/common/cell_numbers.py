@@ -18,7 +18,7 @@ def has_input(topology: Topology) -> bool:
     """
     try:
         return len(topology.original_cell_index) > 0 or topology.index_map(topology.dim).size_local == 0
-    except RuntimeError:  # DOLFINx 0.9 raises when there are no original numbers
+    except RuntimeError:  # DOLFINx raises when there are no original numbers
         return False
 
 

@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from ufl.algorithms import extract_coefficients
 
+from .. import compat
 from ..assembly.residual import differentiable
 from ..forms.quadrature import with_rules
 from ..forms.registry import CELLS, default_hypothesis
@@ -91,10 +92,11 @@ def case_of(u: Any, hypothesis: str | None, name: str) -> Case:
     """
     V = u.ufl_function_space()
     domain = V.ufl_domain()
-    cell, element = domain.ufl_cell().cellname(), domain.ufl_coordinate_element()
-    if cell not in CELLS or domain.geometric_dimension() != CELLS[cell]:
+    cell, element = compat.cell_name(domain), domain.ufl_coordinate_element()
+    gdim = compat.geometric_dimension(domain)
+    if cell not in CELLS or gdim != CELLS[cell]:
         raise ValueError(
-            f"{name} is on cells {cell!r} in {domain.geometric_dimension()} dimensions: kernels are written for bodies "
+            f"{name} is on cells {cell!r} in {gdim} dimensions: kernels are written for bodies "
             f"of {', '.join(CELLS)} cells"
         )
     degree, geometry_degree = int(V.ufl_element().embedded_superdegree), int(element.embedded_superdegree)

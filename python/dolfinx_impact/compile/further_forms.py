@@ -7,6 +7,7 @@ from typing import Any
 
 import ufl
 
+from .. import compat
 from ..assembly.cauchy_stress import STRESS, components
 from ..forms import inertia, quadrature
 from ..forms.materials import weight
@@ -47,7 +48,7 @@ def stress_form(u: Any, stress: Any, case: Case) -> KernelForm:
     """
     V = u.ufl_function_space()
     mesh = V.ufl_domain()
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     if u.ufl_shape != (dim,):
         raise ValueError(f"a stress needs a displacement of {dim} components, the unknown has the shape {u.ufl_shape}")
     plane = ufl.as_tensor([[stress[i, j] for j in range(dim)] for i in range(dim)])

@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 from dolfinx.mesh import Mesh, MeshTags, entities_to_geometry
 
-from .. import _cpp
+from .. import _cpp, compat
 from ..common.arguments import number
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from ..loads import check_tag
@@ -171,7 +171,7 @@ class RigidSurface(_Rigid):
         if len(facets):
             corners = entities_to_geometry(mesh, tdim - 1, facets).reshape(len(facets), -1)
         x = mesh.geometry.x[:, :gdim]
-        middle = x[mesh.geometry.dofmap[cells]].mean(axis=1) if len(cells) else np.zeros((0, gdim))
+        middle = x[compat.geometry_dofmap(mesh)[cells]].mean(axis=1) if len(cells) else np.zeros((0, gdim))
         parts = [corners] if corners.shape[1] < 4 else [corners[:, [0, 1, 3]], corners[:, [0, 3, 2]]]
         found = []
         for nodes in parts:

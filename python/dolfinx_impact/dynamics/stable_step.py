@@ -11,7 +11,7 @@ from dolfinx import fem
 from mpi4py import MPI
 from ufl.algorithms import extract_coefficients
 
-from .. import _cpp
+from .. import _cpp, compat
 from ..assembly import operators
 from ..assembly.cell_matrices import CellMatrices
 from ..assembly.curvature import NOISE, WRONG, check_curvature, extremes
@@ -166,7 +166,7 @@ class Frequencies:
             first = None
             if len(bad):
                 mesh, cell = self.u.function_space.mesh, bad[0]
-                middle = mesh.geometry.x[mesh.geometry.dofmap[cell], : mesh.geometry.dim].mean(axis=0)
+                middle = mesh.geometry.x[compat.geometry_dofmap(mesh)[cell], : mesh.geometry.dim].mean(axis=0)
                 first = (int(input_cell_numbers(mesh.topology)[cell]), middle.round(9).tolist())
             found = [f for f in self.comm.allgather(first) if f is not None]
             if found:

@@ -159,11 +159,12 @@ class DeformedBody:
             if self._plane:  # of the body, at a width of 5 inch, with room for the labels
                 extent = np.ptp(self._moved()[0], axis=0)
                 height = float(np.clip(5.0 * extent[1] / extent[0] + 0.9, 2.0, 7.0))
-            figure, axes = plots.pyplot().subplots(figsize=(6.4, height), layout="constrained")
-            self.draw(axes, label, **options)
-            if title:
-                axes.set_title(title, fontsize=10)
-            plots.save(figure, path)
+            with plots.styled() as plt:
+                figure, axes = plt.subplots(figsize=(6.4, height), layout="constrained")
+                self.draw(axes, label, **options)
+                if title:
+                    axes.set_title(title, fontsize=10)
+                plots.save(figure, path)
 
         together(self._comm, work)
 

@@ -11,6 +11,7 @@ from dolfinx.common import IndexMap
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from .. import compat
 from ..common.collective import common
 from ..common.types import AnyArray, FloatArray, IntArray
 
@@ -108,9 +109,9 @@ def gather_mesh(mesh: Mesh) -> Gathered:
         Geometry without values; its arrays are None except on rank 0.
     """
     num_cells = mesh.topology.index_map(mesh.topology.dim).size_local
-    g = mesh.geometry
-    cells, points, _, offset = _gather(mesh.comm, g.dofmap[:num_cells], g.index_map(), g.x[:, : g.dim], None)
-    return Gathered(points, cells, None, mesh.topology.cell_name(), g.cmap.degree, offset)
+    g, dofmap = mesh.geometry, compat.geometry_dofmap(mesh)
+    cells, points, _, offset = _gather(mesh.comm, dofmap[:num_cells], g.index_map(), g.x[:, : g.dim], None)
+    return Gathered(points, cells, None, mesh.topology.cell_name(), compat.coordinate_element(mesh).degree, offset)
 
 
 def gather_field(function: fem.Function) -> Gathered:

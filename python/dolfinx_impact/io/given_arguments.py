@@ -29,7 +29,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 from ufl.algorithms.analysis import extract_coefficients, extract_constants
 
-from .. import _cpp
+from .. import _cpp, compat
 from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
@@ -223,11 +223,11 @@ class GivenArguments:
         self.table["mesh.cell"] = topology.cell_name()
         mixed = is_mixed(V)
         self.table["mesh.degree"] = str(V.ufl_element()) if mixed else int(V.element.basix_element.degree)
-        self.table["mesh.degree of the geometry"] = int(V.mesh.geometry.cmap.degree)
+        self.table["mesh.degree of the geometry"] = int(compat.coordinate_element(V.mesh).degree)
         self.table["mesh.num_cells"] = int(topology.index_map(topology.dim).size_global)
         self.table["mesh.num_nodes"] = int(V.dofmap.index_map.size_global)
         num, gdim = topology.index_map(topology.dim).size_local, V.mesh.geometry.dim
-        corners = V.mesh.geometry.x[V.mesh.geometry.dofmap[:num]][:, :, :gdim]
+        corners = V.mesh.geometry.x[compat.geometry_dofmap(V.mesh)[:num]][:, :, :gdim]
         # Of each cell the sums over its nodes and their squares: these change with places and with what is joined.
         sums = corners.sum(axis=1)
         self.table[f"{SUMS}mesh"] = self._sums(corners.reshape(-1, gdim), sums, sums**2, sums**3)

@@ -12,6 +12,7 @@ import basix
 import numpy as np
 from dolfinx.mesh import Mesh, MeshTags
 
+from .. import compat
 from ..common.cell_numbers import input_cell_numbers
 from ..common.collective import comm_of, guard
 from ..common.types import BoolArray, FloatArray, IntArray
@@ -134,7 +135,7 @@ def _jacobians(mesh: Mesh) -> tuple[FloatArray, ...]:
         Smallest and largest det J over test points, (num_cells) [L^tdim]; extent, (num_cells) [L]; centroid,
         (num_cells, gdim) [L].
     """
-    tdim, cmap = mesh.topology.dim, mesh.geometry.cmap
+    tdim, cmap = mesh.topology.dim, compat.coordinate_element(mesh)
     cell = getattr(basix.CellType, mesh.topology.cell_name())
     element = basix.create_element(basix.ElementFamily.P, cell, cmap.degree, basix.LagrangeVariant(cmap.variant))
     points: FloatArray = np.asarray(basix.geometry(cell))
@@ -142,25 +143,24 @@ def _jacobians(mesh: Mesh) -> tuple[FloatArray, ...]:
         points = np.vstack([points, element.points, basix.make_quadrature(cell, 2 * cmap.degree)[0]])
     shape = np.asarray(element.tabulate(1, points))[1:, :, :, 0]  # (tdim, points, nodes)
     num_cells = mesh.topology.index_map(tdim).size_local
-    parts = [_jacobians_of(mesh, shape, first, min(first + CHUNK, num_cells)) for first in range(0, num_cells, CHUNK)]
-    parts = parts or [_jacobians_of(mesh, shape, 0, 0)]
+    dofmap, starts = compat.geometry_dofmap(mesh)[:num_cells], range(0, num_cells, CHUNK)
+    parts = [_jacobians_of(mesh, shape, dofmap[first : first + CHUNK]) for first in starts or (0,)]
     return tuple(np.concatenate(values) for values in zip(*parts))
 
 
-def _jacobians_of(mesh: Mesh, shape: FloatArray, first: int, last: int) -> tuple[FloatArray, ...]:
-    """`_jacobians` of a range of cells.
+def _jacobians_of(mesh: Mesh, shape: FloatArray, cells: IntArray) -> tuple[FloatArray, ...]:
+    """`_jacobians` of some cells.
 
     Args:
         mesh: mesh.
         shape: derivatives of the shape functions, (tdim, points, nodes) [1].
-        first: first cell.
-        last: cell behind the last one.
+        cells: nodes of the cells, (cells, nodes).
 
     Returns:
         As `_jacobians`.
     """
     gdim = mesh.geometry.dim
-    x = mesh.geometry.x[mesh.geometry.dofmap[first:last]][:, :, :gdim]
+    x = mesh.geometry.x[cells][:, :, :gdim]
     tdim, points, nodes = shape.shape
     coordinates: FloatArray = np.swapaxes(x, 1, 2)  # (cells, gdim, nodes)
     jacobian = (coordinates @ shape.reshape(tdim * points, nodes).T).reshape(len(x), gdim, tdim, points)
@@ -190,11 +190,12 @@ def _folded_over(mesh: Mesh) -> BoolArray:
         Mask of this rank's cells, ghosts included.
     """
     tdim, gdim = mesh.topology.dim, mesh.geometry.dim
-    num_cells = len(mesh.geometry.dofmap)
+    dofmap = compat.geometry_dofmap(mesh)
+    num_cells = len(dofmap)
     over = np.zeros(num_cells, dtype=bool)
     if mesh.topology.cell_name() not in ("triangle", "tetrahedron") or tdim != gdim or num_cells == 0:
         return over
-    vertices = mesh.geometry.dofmap[:, : tdim + 1]
+    vertices = dofmap[:, : tdim + 1]
     # Facet k is opposite to vertex k. Its sorted vertices identify it.
     facets = np.concatenate([np.sort(np.delete(vertices, k, axis=1), axis=1) for k in range(tdim + 1)])
     opposite = np.concatenate(list(vertices.T))

@@ -24,6 +24,7 @@ import numpy as np
 from dolfinx import io
 from dolfinx.mesh import Mesh, MeshTags
 
+from .. import compat
 from ..common.collective import guard
 from ..common.types import FilePath, IntArray
 from .gather import together
@@ -173,14 +174,14 @@ def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshIn
             said = "; ".join(line for line in gmsh.logger.get() if line.startswith("Error")) or str(error)
             raise ValueError(f"{path}: gmsh cannot read it ({said}); it is damaged, write it again") from error
         found = _check_msh_model(gmsh.model, path, gdim)
-        state["numbers"] = _renumber(gmsh.model)
+        state["numbers"] = _cell_numbers(gmsh.model)
         return found
 
     try:
         dimension, cell_names, facet_names, facets, notes = together(comm, load)
         for note in notes if comm.rank == 0 else ():
             warnings.warn(f"{path}: {note}", stacklevel=4)
-        mesh, cell_tags, facet_tags = io.gmshio.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
+        mesh, cell_tags, facet_tags = compat.model_to_mesh(gmsh.model, comm, 0, gdim=dimension)
     finally:
         if state:
             gmsh.logger.stop()
@@ -193,22 +194,16 @@ def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshIn
     return MeshInput(mesh, cell_tags, facet_tags, cell_names, facet_names), facets, state.get("numbers")
 
 
-def _renumber(model: ModuleType) -> IntArray:
-    """Number the nodes without gaps, those of tagged cells first: DOLFINx 0.9 aborts if an unused node precedes them.
+def _cell_numbers(model: ModuleType) -> IntArray:
+    """Gmsh's element numbers in the order in which DOLFINx reads the cells.
 
     Args:
         model: gmsh.model.
-
-    Returns:
-        gmsh's element numbers in the order in which DOLFINx reads the cells.
     """
     tdim = model.getDimension()
     groups = [tag for dim, tag in model.getPhysicalGroups() if dim == tdim]
     entities = [entity for tag in groups for entity in model.getEntitiesForPhysicalGroup(tdim, tag)]
-    elements = [model.mesh.getElements(tdim, entity) for entity in entities]
-    nodes, used = model.mesh.getNodes()[0], np.unique(np.concatenate([joined for _, _, (joined,) in elements]))
-    model.mesh.renumberNodes(np.concatenate([used, np.setdiff1d(nodes, used)]), np.arange(1, len(nodes) + 1))
-    return np.concatenate([numbers for _, (numbers,), _ in elements])
+    return np.concatenate([numbers for entity in entities for numbers in model.mesh.getElements(tdim, entity)[1]])
 
 
 def _check_msh_text(path: Path) -> None:

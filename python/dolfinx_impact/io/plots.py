@@ -11,7 +11,9 @@ import atexit
 import os
 import shutil
 import subprocess
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -79,19 +81,38 @@ def screen() -> None:
     atexit.register(stop)
 
 
+def _import_pyplot() -> ModuleType:
+    """matplotlib.pyplot, without a screen unless somebody chose one: a notebook, a caller who imported it, MPLBACKEND."""
+    if "matplotlib.pyplot" not in sys.modules and "MPLBACKEND" not in os.environ:
+        import matplotlib
+
+        matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    return plt
+
+
 def pyplot() -> ModuleType:
-    """Import matplotlib.pyplot without a screen, with the style of these figures.
+    """Import matplotlib.pyplot and give all figures from now on the style of this package's, for scripts that draw such.
 
     Returns:
         matplotlib.pyplot.
     """
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
+    plt = _import_pyplot()
     plt.rcParams.update(_STYLE)
     return plt
+
+
+@contextmanager
+def styled() -> Iterator[ModuleType]:
+    """Import matplotlib.pyplot, with the style of this package's figures until the block ends: a caller's stays as it is.
+
+    Yields:
+        matplotlib.pyplot.
+    """
+    plt = _import_pyplot()
+    with plt.rc_context(_STYLE):
+        yield plt
 
 
 def grid(

@@ -27,6 +27,7 @@ from dolfinx import fem, la
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
+from .. import compat
 from ..common.types import ArrayLike, FilePath
 from . import hdf5
 from .frames import write_once
@@ -47,15 +48,13 @@ def versions() -> dict[str, str]:
     import subprocess
     import sys
 
-    import basix
-    import dolfinx
     import petsc4py.PETSc
 
-    def of(distribution: str, fallback: str | None = None) -> str:
+    def of(distribution: str) -> str:
         try:
             return importlib.metadata.version(distribution)
         except importlib.metadata.PackageNotFoundError:
-            return fallback or "unknown"
+            return "unknown"
 
     def nanobind() -> str:
         """Version of nanobind; Debian's package has no metadata for importlib."""
@@ -68,10 +67,7 @@ def versions() -> dict[str, str]:
 
     return {
         "dolfinx_impact": of("dolfinx_impact"),
-        "dolfinx": getattr(dolfinx, "__version__"),
-        "ffcx": of("fenics-ffcx"),
-        "basix": basix.__version__,
-        "ufl": of("fenics-ufl", getattr(ufl, "__version__", None)),
+        **compat.versions(),
         "petsc": ".".join(str(part) for part in petsc4py.PETSc.Sys.getVersion()),
         "nanobind": nanobind(),
         "mpi": MPI.Get_library_version().split(",")[0].split("\n")[0].strip("\0 "),
@@ -249,7 +245,7 @@ def _plain(value: Any) -> Any:
 def _on_geometry(function: fem.Function) -> fem.Function:
     """The function, interpolated to the degree of the mesh if it has another; XDMF needs that."""
     V = function.function_space
-    degree, shape = V.mesh.geometry.cmap.degree, V.element.basix_element.degree
+    degree, shape = compat.coordinate_element(V.mesh).degree, V.element.basix_element.degree
     if degree == shape and not V.element.basix_element.discontinuous:
         return function
     W = fem.functionspace(V.mesh, ("Lagrange", degree, V.value_shape))

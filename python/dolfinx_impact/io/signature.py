@@ -15,6 +15,7 @@ from dolfinx import fem, la
 from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
+from .. import compat
 from ..common.types import FloatArray, IntArray
 from ..assembly import operators
 from ..foundation import Foundation, foundations
@@ -142,7 +143,7 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
     out |= {
         "cell": mesh.topology.cell_name(),
         "degree": int(V.element.basix_element.degree),
-        "degree of the geometry": int(mesh.geometry.cmap.degree),
+        "degree of the geometry": int(compat.coordinate_element(mesh).degree),
         "hypothesis": "axisymmetric" if problem.axisymmetric else "not axisymmetric",
     }
     if problem.material is not None:

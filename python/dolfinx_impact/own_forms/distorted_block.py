@@ -61,4 +61,4 @@ def with_quadratic_geometry(domain: Mesh) -> Mesh:
     V = fem.functionspace(domain, ("Lagrange", 2))
     x = V.tabulate_dof_coordinates()[:, :dim]
     element = basix.ufl.element("Lagrange", cell, 2, shape=(dim,))
-    return mesh.create_mesh(MPI.COMM_SELF, V.dofmap.list.astype(np.int64), x, ufl.Mesh(element))
+    return mesh.create_mesh(MPI.COMM_SELF, V.dofmap.list.astype(np.int64), x=x, e=ufl.Mesh(element))

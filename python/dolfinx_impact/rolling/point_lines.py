@@ -4,12 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from dolfinx import fem
 from dolfinx.mesh import exterior_facet_indices
 
+from .. import compat
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import BoolArray, FloatArray, IntArray
 from .motions import Spin, Translation
@@ -148,12 +148,14 @@ def _rows(space: fem.FunctionSpace, body: int, cells: IntArray, motion: Spin | T
     width = ACROSS + (2 if isinstance(motion, Spin) else gdim)
     if not len(cells):
         return np.zeros((0, width))
-    nodes = mesh.geometry.x[mesh.geometry.dofmap[cells]]
+    nodes = mesh.geometry.x[compat.geometry_dofmap(mesh)[cells]]
     points = space.tabulate_dof_coordinates()[space.dofmap.list[cells]]
     per = points.shape[1]
     if isinstance(motion, Spin):
         along, across = _cylindrical(nodes, motion)
-        functions = mesh.ufl_domain().ufl_coordinate_element().basix_element.tabulate(0, _reference_points(space))[0]
+        functions = (
+            mesh.ufl_domain().ufl_coordinate_element().basix_element.tabulate(0, compat.interpolation_points(space))[0]
+        )
         functions = functions[..., 0] if functions.ndim == 3 else functions
         functions = functions[:, : nodes.shape[1]]
         place, beside = (np.einsum("pn,cn...->cp...", functions, v) for v in (along, across))
@@ -182,12 +184,6 @@ def _rows(space: fem.FunctionSpace, body: int, cells: IntArray, motion: Spin | T
     out[:, RIM] = np.repeat(outer[of_cells].any(axis=1), per)
     out[:, ACROSS:] = beside.reshape(len(out), -1)
     return out
-
-
-def _reference_points(space: fem.FunctionSpace) -> FloatArray:
-    """Points of a quadrature element in the reference cell."""
-    points: Any = space.element.interpolation_points
-    return np.asarray(points() if callable(points) else points)
 
 
 def _cylindrical(x: FloatArray, spin: Spin, unwrapped: bool = True) -> tuple[FloatArray, FloatArray]:

@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 from dolfinx.mesh import MeshTags, exterior_facet_indices
 
+from .. import compat
 from ..assembly.ffcx_form import ffcx_form
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import FloatArray
@@ -72,7 +73,7 @@ def fault(V: fem.FunctionSpace, cell_tags: MeshTags, tag: int, spin: Spin, bcs: 
     worst = int(np.argmax(excess)) if len(excess) else -1
     here: tuple[float, str] = (0.0, "")
     if worst >= 0 and excess[worst] > 1.0:
-        nodes = mesh.geometry.x[mesh.geometry.dofmap[cells[worst]]].mean(axis=0)[: mesh.geometry.dim]
+        nodes = mesh.geometry.x[compat.geometry_dofmap(mesh)[cells[worst]]].mean(axis=0)[: mesh.geometry.dim]
         number = int(input_cell_numbers(mesh.topology)[cells[worst]])
         place = ", ".join(f"{x:.4g}" for x in nodes)
         here = (

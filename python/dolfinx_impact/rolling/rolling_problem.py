@@ -555,7 +555,7 @@ class RollingProblem(Unique):
 
     def _matrix(self, form: ufl.Form) -> PETSc.Mat:
         """Matrix of a bilinear form, zero at supports."""
-        matrix = petsc.assemble_matrix(ffcx_form(form), bcs=list(self._equilibrium.bcs), diagonal=0.0)
+        matrix = petsc.assemble_matrix(ffcx_form(form), list(self._equilibrium.bcs), 0.0)
         matrix.assemble()
         return matrix
 

@@ -23,10 +23,17 @@ class Result(ABC):
         Returns:
             The axes.
         """
-        from ..io.plots import COLOURS, pyplot  # matplotlib is loaded by those who draw only
+        from ..io.plots import styled  # matplotlib is loaded by those who draw only
 
-        if ax is None:
-            ax = pyplot().subplots(figsize=(5.5, 3.6), layout="constrained")[1]
+        if ax is not None:
+            return self._draw(ax)
+        with styled() as plt:
+            return self._draw(plt.subplots(figsize=(5.5, 3.6), layout="constrained")[1])
+
+    def _draw(self, ax: Any) -> Any:
+        """Draw on axes, and return them."""
+        from ..io.plots import COLOURS
+
         abscissa, ordinate, curves = self._figure()
         for number, (name, x, y) in enumerate(curves):
             ax.plot(x, y, color=COLOURS[number % len(COLOURS)], label=name, marker="o" if len(x) == 1 else None)

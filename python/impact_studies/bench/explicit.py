@@ -25,7 +25,7 @@ from dolfinx import fem
 from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
-from dolfinx_impact import materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from dolfinx_impact import compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.contact import ContactPair, Kinematic, Penalty
@@ -94,7 +94,7 @@ def own_form(u: Function) -> ufl.Form:
     """
     V, mesh = u.function_space, u.function_space.mesh
     cell, degree = mesh.topology.cell_name(), V.element.basix_element.degree
-    rule = quadrature.metadata(quadrature.stiffness_degree(cell, degree, mesh.geometry.cmap.degree, "3d"))
+    rule = quadrature.metadata(quadrature.stiffness_degree(cell, degree, compat.coordinate_element(mesh).degree, "3d"))
     mu, lam = (fem.Constant(mesh, np.float64(x)) for x in (1e3 / 2.6, 300.0 / (1.3 * 0.4)))
     strain = ufl.sym(ufl.grad(u))
     stress = 2 * mu * strain + lam * ufl.tr(strain) * ufl.Identity(3)

@@ -11,7 +11,7 @@ from dolfinx import cpp, fem, mesh
 from mpi4py import MPI
 
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
-from dolfinx_impact import _cpp, materials
+from dolfinx_impact import _cpp, compat, materials
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.common.types import Float64Array, FloatArray
 
@@ -130,5 +130,5 @@ class Setup:
             Traffic [B].
         """
         nodes = self.V.dofmap.list.shape[1]
-        per_cell = 4 * (2 * nodes + self.mesh.geometry.dofmap.shape[1])
+        per_cell = 4 * (2 * nodes + compat.geometry_dofmap(self.mesh).shape[1])
         return self.num_cells * per_cell + 8 * 3 * len(self.b) + 24 * len(self.mesh.geometry.x)

@@ -9,7 +9,7 @@ import numpy as np
 from dolfinx import mesh
 from dolfinx.mesh import Mesh, MeshTags
 
-from dolfinx_impact import contact
+from dolfinx_impact import compat, contact
 from dolfinx_impact.common.types import BoolArray, FloatArray, IntArray
 from dolfinx_impact.own_forms import distorted_block
 from .. import matched_body, operator
@@ -90,7 +90,7 @@ def upper_nodes(domain: Mesh) -> BoolArray:
     Returns:
         Mask, shape (num_nodes).
     """
-    x, dofmap = domain.geometry.x, domain.geometry.dofmap
+    x, dofmap = domain.geometry.x, compat.geometry_dofmap(domain)
     upper = np.zeros(len(x), dtype=bool)
     upper[np.unique(dofmap[x[dofmap][:, :, domain.geometry.dim - 1].mean(axis=1) > 1.0])] = True
     return upper

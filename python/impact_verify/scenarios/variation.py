@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 from dolfinx.mesh import Mesh
 
+from dolfinx_impact import compat
 from dolfinx_impact.common.types import FloatArray
 from .scenario import USUAL_FRACTION, Scenario
 from .placed_bodies import upper_nodes
@@ -44,7 +45,8 @@ class RandomVariation:
             return
         dim = domain.geometry.dim
         x, upper = domain.geometry.x, upper_nodes(domain)
-        cells = domain.geometry.dofmap[upper[domain.geometry.dofmap].all(axis=1)]
+        dofmap = compat.geometry_dofmap(domain)
+        cells = dofmap[upper[dofmap].all(axis=1)]
 
         def height() -> float:
             # Facets may be nearer than their nodes where the lower body is curved: in the middle, or nearly there.

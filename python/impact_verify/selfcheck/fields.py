@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from dolfinx import fem
 
+from dolfinx_impact import compat
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.own_forms.own_form import OwnForm
 
@@ -81,8 +82,8 @@ def fields_of(V: fem.FunctionSpace) -> list[Field]:
         return [_field(0, V, dofs)]
     out = []
     for i in range(V.num_sub_spaces):
-        space, dofs = V.sub(i).collapse()
-        out.append(_field(i, space, np.asarray(dofs, dtype=np.int64)))
+        space, dofs = compat.collapse(V.sub(i))
+        out.append(_field(i, space, dofs.astype(np.int64)))
     return out
 
 

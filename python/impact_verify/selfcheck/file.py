@@ -16,6 +16,7 @@ from dolfinx.mesh import Mesh
 from ufl.algorithms import extract_coefficients
 from ufl.algorithms.analysis import extract_constants
 
+from dolfinx_impact import compat
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.inelastic import InelasticMaterial
 from dolfinx_impact.materials import _Material
@@ -91,7 +92,7 @@ def _source(maker: Callable[[Mesh], OwnForm], u: Any) -> Source:
     domain = u.ufl_function_space().ufl_domain()
     check_body(domain)
     element = domain.ufl_coordinate_element()
-    return Source(maker, domain.ufl_cell().cellname(), int(element.embedded_superdegree) and _degree(element))
+    return Source(maker, compat.cell_name(domain), int(element.embedded_superdegree) and _degree(element))
 
 
 def _degree(element: Any) -> int:

@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem
 from ufl.algorithms import extract_coefficients
 
+from dolfinx_impact import compat
 from dolfinx_impact.common.types import FloatArray
 from . import newton
 from .assembled import AssembledForm, quick_form
@@ -88,7 +89,7 @@ def _errors(subject: Subject, n: int, number: int) -> tuple[float, float]:
     fixed, start = [], np.array(u.x.array)
     for f in fields:
         w = fem.Function(f.space)
-        points = f.space.element.interpolation_points()
+        points = compat.interpolation_points(f.space)
         w.interpolate(fem.Expression(_part(exact, fields, f.number), points))
         start[f.dofs] = w.x.array
         if f.continuous and f.nodal:

@@ -13,6 +13,8 @@ from ufl.classes import Argument, FixedIndex, Grad, ListTensor, Zero
 from ufl.corealg.multifunction import MultiFunction
 from ufl.corealg.traversal import unique_pre_traversal
 
+from dolfinx_impact import compat
+
 
 class _Test(MultiFunction):  # type: ignore[misc]  # UFL has no types
     """Replaces the test function and its gradients by constant tensors; one of them is not zero."""
@@ -83,7 +85,7 @@ def has_gradient(form: ufl.Form, component: int) -> bool:
     cells = [i for i in form.integrals() if i.integral_type() == "cell"]
     plain = expand_indices(expand_derivatives(apply_algebra_lowering(ufl.Form(cells))))
     argument = form.arguments()[0]
-    shape, gdim = argument.ufl_shape, argument.ufl_function_space().ufl_domain().geometric_dimension()
+    shape, gdim = argument.ufl_shape, compat.geometric_dimension(argument.ufl_function_space().ufl_domain())
     for axis in range(gdim):
         at = (component, axis) if shape else (axis,)
         test = _Test(1, _unit((*shape, gdim), at))

@@ -10,6 +10,7 @@ import numpy as np
 from dolfinx.mesh import Mesh
 from scipy.sparse import csr_matrix, diags
 
+from dolfinx_impact import compat
 from dolfinx_impact.common.types import FloatArray
 from .assembled import assembled
 from .fields import Field, displacement_of, fields_of, rotation_of
@@ -74,8 +75,9 @@ class Subject:
         Returns:
             Whether it passes.
         """
+        g = compat.coordinate_element(self.mesh).degree
         row = Finding(
-            "self", self.name, self.cell, self.degree, self.mesh.geometry.cmap.degree, self._hypothesis(), found,
+            "self", self.name, self.cell, self.degree, g, self._hypothesis(), found,
             tolerance, reason, check,
         )  # fmt: skip
         row.note = good if row.passed else bad
@@ -89,8 +91,9 @@ class Subject:
             check: name.
             why: the reason.
         """
+        g = compat.coordinate_element(self.mesh).degree
         row = Finding(
-            "self", self.name, self.cell, self.degree, self.mesh.geometry.cmap.degree, self._hypothesis(), 0.0, 0.0,
+            "self", self.name, self.cell, self.degree, g, self._hypothesis(), 0.0, 0.0,
             "", check, why, applies=False,
         )  # fmt: skip
         self.report.rows.append(row)

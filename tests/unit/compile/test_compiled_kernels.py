@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from dolfinx_impact.own_forms import distorted_block
 import dolfinx_impact as di
-from dolfinx_impact import _cpp
+from dolfinx_impact import _cpp, compat
 from dolfinx_impact.assembly import jit
 from dolfinx_impact.compile import compile_command
 from dolfinx_impact.forms import registry
@@ -97,7 +97,7 @@ def test_a_function_of_a_mesh(case, checkout, tmp_path, rng):
     own = runpy.run_path(str(file))["foam"](mesh, degree)
     u, names = own.u, {own.u: "u"} | {c: n for n, c in own.parameters.items()}
     V = u.function_space
-    x = mesh.geometry.x[mesh.geometry.dofmap[0]].ravel()
+    x = mesh.geometry.x[compat.geometry_dofmap(mesh)[0]].ravel()
     w, c = 0.05 * rng.standard_normal(V.element.space_dimension), np.array([own.parameters["mu"].value])
 
     tangent = ufl.derivative(with_rules(own.residual), u, ufl.TrialFunction(V))
@@ -143,7 +143,7 @@ def test_materials(name, cell, counterparts, tmp_path, rng):
     ours = written(file, tmp_path / "kernels", name, "--cells", cell)
     assert set(ours) == {*counterparts, "stress"}
     mesh = distorted_block.block(cell, 2)
-    x = mesh.geometry.x[mesh.geometry.dofmap[0]].ravel()
+    x = mesh.geometry.x[compat.geometry_dofmap(mesh)[0]].ravel()
     values = {"E": 2.0, "nu": 0.3, "density": 3.0, "yield_stress": 0.02, "hardening": 0.1, "modulus": 0.1}
     for kind, counterpart in counterparts.items():
         (theirs,) = _cpp.kernels.find(counterpart, cell, 1, 1, "3d" if cell == "hexahedron" else "plane_strain")

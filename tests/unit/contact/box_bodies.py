@@ -6,11 +6,12 @@ import itertools
 import basix.ufl
 import numpy as np
 import ufl
-from dolfinx import fem, graph, mesh
+from dolfinx import fem, mesh
 from mpi4py import MPI
 from over_ranks import smallest
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 
 CELLS = {2: ("quadrilateral", "triangle"), 3: ("hexahedron", "tetrahedron")}
 
@@ -62,10 +63,10 @@ class Boxes:
 
         def scattered(comm, count, *_):
             own = ranks if comm.rank == 0 else ranks[:0]
-            return graph.adjacencylist(own, np.arange(len(own) + 1, dtype=np.int32))
+            return compat.adjacencylist(own, np.arange(len(own) + 1, dtype=np.int32))
 
         element = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(self.dim,)))
-        self.mesh = mesh.create_mesh(comm, cells, points @ self.axes, element, partitioner=scattered)
+        self.mesh = mesh.create_mesh(comm, cells, x=points @ self.axes, e=element, partitioner=scattered)
         topology = self.mesh.topology
         for a, b in ((self.dim - 1, self.dim), (self.dim, self.dim - 1)):
             topology.create_connectivity(a, b)

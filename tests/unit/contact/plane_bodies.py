@@ -8,6 +8,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 
 SIDES = ("bottom", "right", "top", "left")
 
@@ -35,7 +36,7 @@ class Bodies:
             first += len(p)
         element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
         points = np.vstack(points)
-        m = mesh.create_mesh(MPI.COMM_SELF, np.vstack(cells).astype(np.int64), points, ufl.Mesh(element))
+        m = mesh.create_mesh(MPI.COMM_SELF, np.vstack(cells).astype(np.int64), x=points, e=ufl.Mesh(element))
         self.mesh, self.V = m, fem.functionspace(m, ("Lagrange", 1, (2,)))
         m.topology.create_connectivity(1, 2)
         facets = mesh.exterior_facet_indices(m.topology)
@@ -47,7 +48,7 @@ class Bodies:
         self.tags = mesh.meshtags(m, 1, facets, values)
         self.X = self.V.tabulate_dof_coordinates()[:, :2]
         number = np.empty(len(points), dtype=int)
-        cell_nodes = m.geometry.input_global_indices[m.geometry.dofmap]
+        cell_nodes = m.geometry.input_global_indices[compat.geometry_dofmap(m)]
         number[cell_nodes.ravel()] = self.V.dofmap.list.ravel()
         self.bodies = [(number[nodes], v) for nodes, v in self.bodies]
         self.velocity = fem.Function(self.V)

@@ -47,7 +47,7 @@ class WheelOnRail:
         cells_of = [number[self._cells(n)] for n in (around, along)]
         own = slice(None) if comm.rank == 0 else slice(0, 0)
         element = basix.ufl.element("Lagrange", "quadrilateral" if dim == 2 else "hexahedron", 1, shape=(dim,))
-        self.mesh = m = mesh.create_mesh(comm, np.vstack(cells_of)[own], points[own], ufl.Mesh(element))
+        self.mesh = m = mesh.create_mesh(comm, np.vstack(cells_of)[own], x=points[own], e=ufl.Mesh(element))
         self.V = fem.functionspace(m, ("Lagrange", 1, (dim,)))
         m.topology.create_connectivity(dim - 1, dim)
         m.topology.create_connectivity(dim, dim - 1)

@@ -68,6 +68,17 @@ class Sandbox:
         path.write_text("#!/bin/bash\n" + text + "\n")
         path.chmod(0o755)
 
+    def prefix(self, folder, works=True):
+        """A DOLFINx installed in a folder of its own; its python3 imports it, or not."""
+        cmake = folder / "lib" / "cmake" / "dolfinx" / "DOLFINXConfig.cmake"
+        for path in (cmake, folder / "bin" / "python3"):
+            path.parent.mkdir(parents=True, exist_ok=True)
+        cmake.touch()
+        text = (self.bin / "python3").read_text().replace('[ -e "$FAKE_DOLFINX" ]', str(works).lower())
+        (folder / "bin" / "python3").write_text(text)
+        (folder / "bin" / "python3").chmod(0o755)
+        return folder
+
     def packages(self, text):
         (self.checkout / "env" / "packages.txt").write_text(text)
 

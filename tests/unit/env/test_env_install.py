@@ -64,6 +64,39 @@ def test_builds_in_two_folders_know_nothing_of_each_other(project):
     assert installs(project) == 2
 
 
+def test_each_prefix_has_a_build_folder_of_its_own(project, tmp_path):
+    prefix = project.prefix(tmp_path / "of someone" / "dolfinx 0.11")
+    project.run("true")
+    for _ in range(2):
+        assert project.run("true", IMPACT_DOLFINX=prefix).returncode == 0
+    assert installs(project) == 2 and (project.checkout / "build/dolfinx_0.11/venv/bin/python3").exists()
+    project.run("true", IMPACT_DOLFINX=prefix, IMPACT_BUILD="build/other")
+    assert installs(project) == 3 and (project.checkout / "build/other/venv/bin/python3").exists()
+
+
+def test_another_or_a_newer_prefix_means_another_install(project, tmp_path):
+    prefixes = [project.prefix(tmp_path / name / "dolfinx-0.11") for name in ("one", "two")]
+    for prefix in prefixes:
+        project.run("true", IMPACT_DOLFINX=prefix)
+    assert installs(project) == 2  # both have the same folder
+    os.utime(prefixes[1] / "lib/cmake/dolfinx/DOLFINXConfig.cmake", (1e9, 1e9))
+    for _ in range(2):
+        project.run("true", IMPACT_DOLFINX=prefixes[1])
+    assert installs(project) == 3
+
+
+@pytest.mark.parametrize("system", [True, False])
+def test_a_prefix_without_the_system_s_packages_does_not_get_them(project, tmp_path, system):
+    """As one whose MPI is not the system's; with the packages of Debian 13, as env/build_dolfinx.sh makes it, otherwise."""
+    prefix = project.prefix(tmp_path / "dolfinx-0.11")
+    (prefix / "pyvenv.cfg").write_text(f"home = /usr/bin\ninclude-system-site-packages = {str(system).lower()}\n")
+    text = (prefix / "bin" / "python3").read_text()
+    (prefix / "bin" / "python3").write_text(text.replace('"-m venv"*) ', '"-m venv"*) echo "venv $*" >>"$CALLS"; '))
+    assert project.run("true", IMPACT_DOLFINX=prefix).returncode == 0
+    (call,) = project.calls("venv")
+    assert ("--system-site-packages" in call) is system
+
+
 @pytest.mark.parametrize("name", ["/tmp/build", "build/../..", "a folder"])
 def test_a_build_folder_outside_is_refused(project, name):
     answer = project.run("true", IMPACT_BUILD=name)

@@ -49,20 +49,107 @@ def test_a_signal_reaches_the_command(sandbox, route):
     assert process.returncode == -signal.SIGTERM
 
 
-def test_the_current_folder_is_the_checkout(sandbox, route, tmp_path):
-    assert sandbox.run("pwd", cwd=tmp_path).stdout_text.rstrip("\n") == str(sandbox.checkout)
-    link = tmp_path / "link"
-    link.symlink_to(sandbox.checkout / "env" / "run")
-    done = subprocess.run([link, "pwd"], env=sandbox.env, cwd=tmp_path, capture_output=True, text=True)
-    assert done.stdout.rstrip("\n") == str(sandbox.checkout)
-    done = subprocess.run(
-        ["a checkout/env/run", "pwd"],
-        env={**sandbox.env, "CDPATH": str(tmp_path)},
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
-    assert done.stdout.rstrip("\n") == str(sandbox.checkout)
+def test_the_command_runs_in_the_caller_s_folder(sandbox, route, tmp_path):
+    """However env/run is called: by its path, by a link, by a path relative to there."""
+    folder = tmp_path / "a folder" / "below"
+    folder.mkdir(parents=True)
+    (folder / "script.sh").write_text("pwd\n")
+    (tmp_path / "link").symlink_to(sandbox.checkout / "env" / "run")
+    for run in (sandbox.checkout / "env" / "run", tmp_path / "link", "../../a checkout/env/run"):
+        done = subprocess.run(
+            [run, "sh", "script.sh"],
+            env={**sandbox.env, "CDPATH": str(tmp_path)},
+            cwd=folder,
+            capture_output=True,
+            text=True,
+        )
+        assert (done.stdout, done.returncode) == (f"{folder}\n", 0), done.stderr
+    assert sandbox.run("pwd", cwd=sandbox.checkout).stdout_text == f"{sandbox.checkout}\n"
+
+
+def test_the_package_is_built_in_the_checkout_wherever_the_caller_is(sandbox, tmp_path):
+    sandbox.dolfinx.touch()
+    (sandbox.checkout / "pyproject.toml").write_text("source\n")
+    answer = sandbox.run("true", cwd=tmp_path, IMPACT_ENV="native")
+    assert answer.returncode == 0, answer.stderr_text
+    assert (sandbox.checkout / "build" / "venv" / "bin" / "python3").exists() and not (tmp_path / "build").exists()
+
+
+@pytest.mark.parametrize("folder", ["/usr/share", "/etc", "/var"])
+def test_the_root_does_not_see_the_system_s_folders(sandbox, folder):
+    answer = sandbox.run("true", cwd=folder)
+    assert answer.returncode == 1 and f"does not see {folder}, a folder of this system" in answer.stderr_text
+    assert sandbox.calls("mmdebstrap") == []  # found out before two minutes of work
+    sandbox.dolfinx.touch()
+    assert sandbox.run("pwd", cwd=folder, IMPACT_ENV="native").stdout_text == f"{folder}\n"
+
+
+def test_a_caller_s_folder_that_is_gone(sandbox, tmp_path):
+    (tmp_path / "gone").mkdir()
+    gone = f'cd "{tmp_path}/gone" && rmdir ../gone && exec "{sandbox.checkout}/env/run" true'
+    done = subprocess.run(["sh", "-c", gone], env=sandbox.env, capture_output=True, text=True)
+    assert done.returncode == 1 and "folder is gone" in done.stderr
+
+
+def test_another_dolfinx_is_taken_from_its_prefix(sandbox, route, tmp_path):
+    prefix = sandbox.prefix(tmp_path / "some where" / "dolfinx-0.11")
+    (sandbox.checkout / "pyproject.toml").write_text("source\n")
+    sandbox.dolfinx.unlink(missing_ok=True)  # nobody else's DOLFINx is needed
+    answer = sandbox.run("env", cwd=tmp_path, IMPACT_DOLFINX="some where/dolfinx-0.11", CMAKE_PREFIX_PATH="/opt/mine")
+    assert answer.returncode == 0, answer.stderr_text
+    found = dict(line.split("=", 1) for line in answer.stdout_text.splitlines() if "=" in line)
+    venv = sandbox.checkout / "build" / "dolfinx-0.11" / "venv"
+    assert found["PATH"].split(":")[:2] == [f"{venv}/bin", f"{prefix}/bin"]
+    assert found["CMAKE_PREFIX_PATH"] == f"{prefix}:/opt/mine"
+    assert found["IMPACT_DOLFINX"] == str(prefix)
+    assert (venv / "bin" / "python3").read_text() == (prefix / "bin" / "python3").read_text()
+
+
+def test_a_prefix_is_found_without_naming_a_route(sandbox, tmp_path):
+    prefix = sandbox.prefix(tmp_path / "dolfinx-0.11")
+    answer = sandbox.run("echo", "there", IMPACT_ENV=None, IMPACT_DOLFINX=prefix)
+    assert (answer.stdout_text, answer.stderr_text) == ("there\n", "")
+    assert not sandbox.calls_file.exists() and not sandbox.cache.exists()
+
+
+def _no_prefix(prefix):
+    prefix.rename(prefix.with_name("elsewhere"))
+
+
+def _no_cmake_file(prefix):
+    (prefix / "lib" / "cmake" / "dolfinx" / "DOLFINXConfig.cmake").unlink()
+
+
+def _no_dolfinx(prefix):
+    text = (prefix / "bin" / "python3").read_text()
+    (prefix / "bin" / "python3").write_text(text.replace(" true ;;", " false ;;"))
+
+
+def _no_python(prefix):
+    (prefix / "bin" / "python3").unlink()
+
+
+@pytest.mark.parametrize(
+    "harm, said",
+    [
+        (_no_prefix, "is no folder"),
+        (_no_cmake_file, "no lib/cmake/dolfinx/DOLFINXConfig.cmake"),
+        (_no_dolfinx, "bin/python3 cannot import DOLFINx 0.9, 0.10 or 0.11"),
+        (_no_python, "bin/python3 cannot import DOLFINx 0.9, 0.10 or 0.11"),
+    ],
+)
+def test_a_prefix_that_is_none_is_refused(sandbox, route, tmp_path, harm, said):
+    prefix = sandbox.prefix(tmp_path / "dolfinx-0.11")
+    harm(prefix)
+    answer = sandbox.run("echo", "not reached", IMPACT_DOLFINX=prefix)
+    assert answer.returncode == 1 and answer.stdout_text == ""
+    assert f"{prefix}" in answer.stderr_text and said in answer.stderr_text
+
+
+def test_the_root_does_not_see_a_prefix_of_the_system(sandbox):
+    sandbox.stub("find", "echo there")  # its CMake file
+    answer = sandbox.run("true", IMPACT_DOLFINX="/usr/share")
+    assert answer.returncode == 1 and "does not see IMPACT_DOLFINX=/usr/share" in answer.stderr_text
 
 
 def test_the_variables_of_a_parallel_run_are_set(sandbox, route):
@@ -110,7 +197,7 @@ def test_root_route_needs_root(sandbox):
 
 def test_native_without_dolfinx(sandbox):
     answer = sandbox.run("true", IMPACT_ENV="native")
-    assert answer.returncode == 1 and "cannot import DOLFINx 0.9" in answer.stderr_text
+    assert answer.returncode == 1 and "cannot import DOLFINx 0.9, 0.10 or 0.11" in answer.stderr_text
 
 
 def test_apt_route_installs_the_list_once(sandbox):

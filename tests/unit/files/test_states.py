@@ -7,7 +7,7 @@ import pytest
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from dolfinx_impact import _cpp
+from dolfinx_impact import _cpp, compat
 
 files, Place, State = _cpp.files, _cpp.state.Place, _cpp.state.State
 NOTHING = State("identity")
@@ -146,10 +146,10 @@ def test_places_of_mixed_spaces():
     x, f = files.places(W._cpp_object), fem.Function(W)
     f.sub(0).interpolate(lambda p: (p[0], p[1]))
     f.sub(1).interpolate(lambda p: p[0])
-    of_x, of_y = (W.sub(0).sub(k).collapse()[1] for k in range(2))
+    of_x, of_y = (compat.collapse(W.sub(0).sub(k))[1] for k in range(2))
     np.testing.assert_allclose(f.x.array[of_x], x[of_x, 0], atol=1e-14)
     np.testing.assert_allclose(f.x.array[of_y], x[of_y, 1], atol=1e-14)
-    pressure = W.sub(1).collapse()[1]
+    pressure = compat.collapse(W.sub(1))[1]
     np.testing.assert_allclose(f.x.array[pressure], x[pressure, 0], atol=1e-14)
 
 

@@ -10,6 +10,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 from dolfinx_impact._cpp.gap import through_master, through_obstacle
 
 BOX = np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]]) * 0.5
@@ -129,11 +130,11 @@ def plate_and_punch(cell, method):
     x, cells, tags = [], [], []
     for k, (low, high, count) in enumerate(quads.values()):
         part = mesh.create_rectangle(MPI.COMM_SELF, [low, high], count, getattr(mesh.CellType, cell))
-        cells.append(part.geometry.dofmap + sum(len(p) for p in x))
+        cells.append(compat.geometry_dofmap(part) + sum(len(p) for p in x))
         x.append(part.geometry.x[:, :2])
         tags += [k + 1] * len(cells[-1])
     element = basix.ufl.element("Lagrange", cell, 1, shape=(2,))
-    domain = mesh.create_mesh(MPI.COMM_SELF, np.concatenate(cells), np.concatenate(x), element)
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.concatenate(cells), x=np.concatenate(x), e=element)
     V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
     of = np.array(tags)[domain.topology.original_cell_index]
     punch = np.unique(V.dofmap.list[of == 2])

@@ -17,13 +17,13 @@ from pathlib import Path
 import basix
 import basix.ufl
 import ffcx.codegeneration
-import ffcx.compiler
 import ffcx.naming
 import ffcx.options
 import numpy as np
 import pytest
 
 import dolfinx_impact
+from dolfinx_impact import compat
 from dolfinx_impact.forms import registry
 from dolfinx_impact.forms.compiler import emit, frontend
 
@@ -35,8 +35,13 @@ OPTIONS = {k: v[1] for k, v in ffcx.options.FFCX_DEFAULT_OPTIONS.items()} | {
     "table_rtol": 1e-13,
     "table_atol": 1e-14,
 }
+# The last pointer, to data of the caller's own, is one that kernels of FFCx 0.9 do not look at.
 FUNCTION = ctypes.CFUNCTYPE(
-    None, *[ctypes.POINTER(ctypes.c_double)] * 4, ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_uint8)
+    None,
+    *[ctypes.POINTER(ctypes.c_double)] * 4,
+    ctypes.POINTER(ctypes.c_int),
+    ctypes.POINTER(ctypes.c_uint8),
+    ctypes.c_void_p,
 )
 ACCESS = """
 extern ufcx_form {name};
@@ -94,7 +99,7 @@ def _ffcx_object(ufl_object, stem):
     naming = ffcx.naming.expression_name if is_expression else lambda f, p: ffcx.naming.form_name(f, 0, p)
     name = naming(ufl_object, "oracle")
     key = id(ufl_object[0]) if is_expression else id(ufl_object)
-    _, text = ffcx.compiler.compile_ufl_objects([ufl_object], dict(OPTIONS), {key: name}, "oracle")
+    text = compat.ffcx_source(ufl_object, dict(OPTIONS), {key: name}, "oracle")
     access = f"oracle_{stem.name}"
     text += (ACCESS_EXPRESSION if is_expression else ACCESS).format(name=name, access=access)
     include = Path(ffcx.codegeneration.__file__).parent
@@ -180,7 +185,7 @@ class Oracle:
         A, number = np.zeros(int(np.prod(kernel.shape))), np.array([entity], dtype=np.intc)
         doubles = [a.ctypes.data_as(ctypes.POINTER(ctypes.c_double)) for a in (A, w, c, x)]
         for address in addresses:
-            FUNCTION(address)(*doubles, number.ctypes.data_as(ctypes.POINTER(ctypes.c_int)), None)
+            FUNCTION(address)(*doubles, number.ctypes.data_as(ctypes.POINTER(ctypes.c_int)), None, None)
         return A
 
 

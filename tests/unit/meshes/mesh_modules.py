@@ -9,6 +9,8 @@ from pathlib import Path
 import basix
 import numpy as np
 
+from dolfinx_impact import compat
+
 CHECKOUT = Path(__file__).resolve().parents[3]
 
 try:
@@ -29,13 +31,13 @@ weighted_partition = importlib.import_module(meshes.__name__ + ".weighted_partit
 def jacobians(mesh, at_vertices):
     """Jacobians (cells, points, gdim, tdim) of the owned cells at quadrature points (and vertices), and the weights."""
     cell = getattr(basix.CellType, mesh.topology.cell_name())
-    cmap, tdim, gdim = mesh.geometry.cmap, mesh.topology.dim, mesh.geometry.dim
+    cmap, tdim, gdim = compat.coordinate_element(mesh), mesh.topology.dim, mesh.geometry.dim
     element = basix.create_element(basix.ElementFamily.P, cell, cmap.degree, basix.LagrangeVariant(cmap.variant))
     points, weights = basix.make_quadrature(cell, 2 * cmap.degree + 1)
     if at_vertices:
         points = np.vstack([points, basix.geometry(cell)])
     shape = element.tabulate(1, points)[1:, :, :, 0]
-    dofs = mesh.geometry.dofmap[: mesh.topology.index_map(tdim).size_local]
+    dofs = compat.geometry_dofmap(mesh)[: mesh.topology.index_map(tdim).size_local]
     return np.einsum("dqn,cng->cqgd", shape, mesh.geometry.x[dofs][:, :, :gdim]), weights
 
 

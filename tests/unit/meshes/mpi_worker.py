@@ -9,6 +9,8 @@ import bad_files
 from mesh_modules import CASES, committed, exact, mesh_input, meshes, quality, volumes
 from mpi4py import MPI
 
+from dolfinx_impact import compat
+
 comm = MPI.COMM_WORLD
 
 
@@ -84,7 +86,7 @@ def one_bad_rank():
     """A cell folded on the last rank only is reported by all."""
     m = meshes.make("block", comm, cells=(12, 12))
     if comm.rank == comm.size - 1:
-        cell = m.mesh.geometry.dofmap[0]
+        cell = compat.geometry_dofmap(m.mesh)[0]
         m.mesh.geometry.x[cell] = m.mesh.geometry.x[cell[[1, 0, 2, 3]]]
     try:
         mesh_input.check_mesh(m.mesh, m.cell_tags)

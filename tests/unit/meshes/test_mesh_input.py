@@ -10,6 +10,8 @@ from dolfinx import io, mesh
 from mesh_modules import committed, mesh_input, meshes
 from mpi4py import MPI
 
+from dolfinx_impact import compat
+
 GOOD = committed.path("distorted_hexahedra.msh")
 KEYS = [*bad_files.MESHES, "empty.msh", "picture.msh", "geometry.msh", "cut_0.2.msh", "cut_0.5.msh", "cut_0.8.msh"]
 KEYS += [
@@ -76,7 +78,7 @@ def test_xdmf_round_trip(tmp_path, recipe, degree):
     read = mesh_input.read_mesh(path, MPI.COMM_SELF, required_facet_tags=sorted(set(m.facet_tags.values)))
     before = mesh_input.check_mesh(m.mesh, m.cell_tags, m.facet_tags)
     assert read.report.facet_counts == before.facet_counts and read.report.cell_counts == before.cell_counts
-    assert read.mesh.geometry.cmap.degree == degree
+    assert compat.coordinate_element(read.mesh).degree == degree
     data = path.with_suffix(".h5")
     data.write_bytes(data.read_bytes()[:3000])
     with pytest.raises(ValueError, match="mesh.h5 is damaged|has no dataset"):
@@ -97,7 +99,7 @@ def write_xdmf(path, m):
 def test_check_names_the_bad_cells():
     domain = mesh.create_rectangle(MPI.COMM_SELF, [(0, 0), (1, 1)], (4, 4), mesh.CellType.quadrilateral)
     assert mesh_input.check_mesh(domain).num_cells == 16
-    nodes = domain.geometry.dofmap[[3, 9]]
+    nodes = compat.geometry_dofmap(domain)[[3, 9]]
     for cell in nodes:
         domain.geometry.x[cell[3]] = domain.geometry.x[cell].mean(axis=0) - 0.4 * np.array((1, 1, 0))
     with pytest.raises(ValueError) as caught:

@@ -7,6 +7,8 @@ from dolfinx import fem
 from mesh_modules import CASES, exact, mesh_input, meshes, quality, volumes
 from mpi4py import MPI
 
+from dolfinx_impact import compat
+
 RECIPES = {name for name, _, _ in CASES.values()}
 QUALITY = {"quadrilateral": 0.3, "hexahedron": 0.3, "triangle": 0.25, "tetrahedron": 0.005}
 CUBE = {"block_3d", "two_blocks_3d", "two_bars_3d", "sphere", "sphere_whole", "cone", "wheel_3d"}
@@ -34,7 +36,7 @@ def test_names_are_complete():
 def test_cells_size_and_tags(case, cell, degree):
     name, parameters, curved = CASES[case]
     m = meshes.make(name, MPI.COMM_SELF, cell=cell, degree=degree, **parameters)
-    assert m.mesh.topology.cell_name() == cell and m.mesh.geometry.cmap.degree == degree
+    assert m.mesh.topology.cell_name() == cell and compat.coordinate_element(m.mesh).degree == degree
     assert quality(m.mesh) > QUALITY[cell]
     found, wanted = volumes(m.mesh, m.cell_tags), exact(name, m.parameters)
     assert set(found) == {meshes.BODIES[body] for body in wanted}
@@ -104,16 +106,16 @@ def test_promised_tags(case):
 
 def test_separate_bodies_share_no_node():
     m = meshes.make("wheel_on_rail_2d", MPI.COMM_SELF)
-    nodes = [set(m.mesh.geometry.dofmap[m.cell_tags.find(tag)].ravel()) for tag in (1, 2)]
+    nodes = [set(compat.geometry_dofmap(m.mesh)[m.cell_tags.find(tag)].ravel()) for tag in (1, 2)]
     assert not nodes[0] & nodes[1]
     glued = meshes.make("rail_joint_2d", MPI.COMM_SELF, end_post="glued")
-    nodes = [set(glued.mesh.geometry.dofmap[glued.cell_tags.find(tag)].ravel()) for tag in (1, 3)]
+    nodes = [set(compat.geometry_dofmap(glued.mesh)[glued.cell_tags.find(tag)].ravel()) for tag in (1, 3)]
     assert len(nodes[0] & nodes[1]) > 2
 
 
 def contact_nodes(m, name):
     """Coordinates of all geometry nodes on a tagged surface."""
-    space = fem.functionspace(m.mesh, ("Lagrange", m.mesh.geometry.cmap.degree))
+    space = fem.functionspace(m.mesh, ("Lagrange", compat.coordinate_element(m.mesh).degree))
     dofs = fem.locate_dofs_topological(space, m.mesh.topology.dim - 1, m.facet_tags.find(m.tags[name]))
     return space.tabulate_dof_coordinates()[dofs]
 
@@ -177,7 +179,7 @@ def test_rail_section_is_close_to_60e1():
     area = 2 * volumes(m.mesh, m.cell_tags)[1] / 0.2
     assert area == pytest.approx(76.7e-4, rel=0.05)
     assert m.parameters["radius"] == 0.46 and m.parameters["crown_radius"] == 0.30
-    z = m.mesh.geometry.x[m.mesh.geometry.dofmap[m.cell_tags.find(1)].ravel(), 2]
+    z = m.mesh.geometry.x[compat.geometry_dofmap(m.mesh)[m.cell_tags.find(1)].ravel(), 2]
     assert np.ptp(z) == pytest.approx(0.172)
 
 

@@ -7,7 +7,7 @@ from dolfinx import fem, mesh
 from dolfinx.common import IndexMap
 from mpi4py import MPI
 
-from dolfinx_impact import _cpp
+from dolfinx_impact import _cpp, compat
 
 COMM = MPI.COMM_WORLD
 
@@ -21,7 +21,7 @@ def maps():
     others = [r for r in range(size) if r != COMM.rank]
     ghosts = [starts[r] + k for k in (3, 0) for r in reversed(others)]
     owners = [r for k in (3, 0) for r in reversed(others)]
-    yield IndexMap(COMM, count, np.array(ghosts, dtype=np.int64), np.array(owners, dtype=np.int32))
+    yield compat.create_index_map(COMM, count, ghosts, owners)
     yield IndexMap(COMM, count)
 
 

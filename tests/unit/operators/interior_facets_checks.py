@@ -8,10 +8,10 @@ import pytest
 import scipy.linalg
 import ufl
 from dolfinx import fem, la, mesh
-from dolfinx.graph import adjacencylist
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 from dolfinx_impact.assembly.cell_matrices import CellMatrices
 from dolfinx_impact.assembly.operators import Tangent
 
@@ -27,7 +27,7 @@ def turned(cell, n):
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
     create = mesh.create_unit_square if dim == 2 else mesh.create_unit_cube
     plain = create(MPI.COMM_SELF, *[n] * dim, getattr(mesh.CellType, cell))
-    x, cells = plain.geometry.x[:, :dim].copy(), plain.geometry.dofmap.astype(np.int64)
+    x, cells = plain.geometry.x[:, :dim].copy(), compat.geometry_dofmap(plain).astype(np.int64)
     x += 0.04 * np.sin(7 * x[:, ::-1] + 1)
     for number, nodes in enumerate(cells):
         turn = TURNS[dim][number % len(TURNS[dim])] if cell in ("quadrilateral", "hexahedron") else None
@@ -35,8 +35,8 @@ def turned(cell, n):
     element = basix.ufl.element("Lagrange", cell, 1, shape=(dim,))
     rows = np.array_split(np.arange(len(cells)), COMM.size)[COMM.rank]
     nodes = np.array_split(np.arange(len(x)), COMM.size)[COMM.rank]
-    partition = mesh.create_cell_partitioner(mesh.GhostMode.shared_facet)
-    return mesh.create_mesh(COMM, cells[rows], x[nodes], element, partitioner=partition)
+    partition = compat.create_cell_partitioner(mesh.GhostMode.shared_facet)
+    return mesh.create_mesh(COMM, cells[rows], x=x[nodes], e=element, partitioner=partition)
 
 
 def facet_tags(domain):
@@ -133,7 +133,7 @@ def turned_pair(cell):
         return mesh.create_unit_square(MPI.COMM_SELF, 2, 1, mesh.CellType.quadrilateral)
     x = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.1, 0.2, 1.0], [0.3, 0.1, -0.8]])
     element = basix.ufl.element("Lagrange", "tetrahedron", 1, shape=(3,))
-    return mesh.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 2, 3], [4, 2, 0, 1]]), x, element)
+    return mesh.create_mesh(MPI.COMM_SELF, np.array([[0, 1, 2, 3], [4, 2, 0, 1]]), x=x, e=element)
 
 
 def check_ranks_without_cells():
@@ -141,10 +141,10 @@ def check_ranks_without_cells():
     found = []
     for comm, partition in ((COMM, to_one_rank), (MPI.COMM_SELF, None)):
         plain = mesh.create_unit_square(MPI.COMM_SELF, 4, 4)
-        x, cells = plain.geometry.x[:, :2].copy(), plain.geometry.dofmap.astype(np.int64)
+        x, cells = plain.geometry.x[:, :2].copy(), compat.geometry_dofmap(plain).astype(np.int64)
         x, cells = (x, cells) if comm.rank == 0 else (x[:0], cells[:0])
         element = basix.ufl.element("Lagrange", "triangle", 1, shape=(2,))
-        domain = mesh.create_mesh(comm, cells, x, element, partitioner=partition)
+        domain = mesh.create_mesh(comm, cells, x=x, e=element, partitioner=partition)
         V = fem.functionspace(domain, ("DG", 1, (2,)))
         u, v = fem.Function(V, name="u"), ufl.TestFunction(V)
         u.interpolate(lambda x: 1e-3 * np.cos(np.pi * x[:2]))
@@ -157,7 +157,7 @@ def check_ranks_without_cells():
 
 
 def to_one_rank(comm, num_ranks, kinds, cells):
-    return adjacencylist(np.zeros((len(cells[0]) // 3, 1), dtype=np.int32))
+    return compat.adjacencylist(np.zeros((len(cells[0]) // 3, 1), dtype=np.int32))
 
 
 def check_cells_of_other_ranks_are_needed():

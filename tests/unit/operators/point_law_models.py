@@ -9,6 +9,7 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from dolfinx_impact import compat
 from dolfinx_impact.forms.point_law import PointLaw
 
 E, NU, YIELD, LINEAR = 210e3, 0.3, 300.0, 1500.0
@@ -36,7 +37,7 @@ class Model:
 
 def symbols(mesh, degree=DEGREE):
     """Committed plastic strain and equivalent plastic strain, and the space of a scalar at the points."""
-    cell = mesh.ufl_cell().cellname()
+    cell = compat.cell_name(mesh)
     scalar = basix.ufl.quadrature_element(cell, degree=degree)
     tensor = basix.ufl.quadrature_element(cell, degree=degree, value_shape=(3, 3), symmetry=True)
     Q, QT = (ufl.FunctionSpace(mesh.ufl_domain(), e) for e in (scalar, tensor))
@@ -122,7 +123,7 @@ def seven_unknowns(u):
 
 def unknowns(mesh, size, degree=DEGREE):
     """A vector of local unknowns."""
-    element = basix.ufl.quadrature_element(mesh.ufl_cell().cellname(), degree=degree, value_shape=(size,))
+    element = basix.ufl.quadrature_element(compat.cell_name(mesh), degree=degree, value_shape=(size,))
     return ufl.Coefficient(ufl.FunctionSpace(mesh.ufl_domain(), element))
 
 
@@ -164,7 +165,7 @@ class Reference:
 
     def __init__(self, u, hardening):
         mesh = u.function_space.mesh
-        cell = mesh.ufl_cell().cellname()
+        cell = compat.cell_name(mesh)
         self.hardening = hardening
         element = basix.ufl.quadrature_element(cell, degree=DEGREE, value_shape=(3, 3))
         self.stress, self.elastic = (fem.Function(fem.functionspace(mesh, element)) for _ in range(2))

@@ -26,14 +26,14 @@ def curved(cell="triangle"):
     """Mesh of geometry degree 2: one triangle."""
     element = basix.ufl.element("Lagrange", cell, 2, shape=(2,))
     x = np.array([[0, 0], [1, 0], [0, 1], [0.5, 0.5], [0, 0.5], [0.5, 0]], dtype=float)
-    return mesh.create_mesh(COMM, np.arange(6, dtype=np.int64)[None], x, ufl.Mesh(element))
+    return mesh.create_mesh(COMM, np.arange(6, dtype=np.int64)[None], x=x, e=ufl.Mesh(element))
 
 
 def surface():
     """Triangles in space."""
     element = basix.ufl.element("Lagrange", "triangle", 1, shape=(3,))
     x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1]], dtype=float)
-    return mesh.create_mesh(COMM, np.array([[0, 1, 2]], dtype=np.int64), x, ufl.Mesh(element))
+    return mesh.create_mesh(COMM, np.array([[0, 1, 2]], dtype=np.int64), x=x, e=ufl.Mesh(element))
 
 
 MESHES = {

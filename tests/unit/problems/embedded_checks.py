@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem, mesh
-from dolfinx.graph import adjacencylist
 from mixed_spaces_checks import solve_plainly
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 
 COMM = MPI.COMM_WORLD
 
 
 def to_one_rank(comm, num_ranks, kinds, cells):
     """All cells to rank 0: where three bars meet, DOLFINx must have them on one rank."""
-    return adjacencylist(np.zeros((len(cells[0]) // 2, 1), dtype=np.int32))
+    return compat.adjacencylist(np.zeros((len(cells[0]) // 2, 1), dtype=np.int32))
 
 
 def lines(x, cells, partition=None):
@@ -26,8 +26,8 @@ def lines(x, cells, partition=None):
     x, cells = np.asarray(x, dtype=float), np.asarray(cells)
     element = basix.ufl.element("Lagrange", "interval", 1, shape=(x.shape[1],))
     x, cells = (x, cells) if COMM.rank == 0 else (x[:0], cells[:0])
-    partition = partition or mesh.create_cell_partitioner(mesh.GhostMode.shared_facet)
-    return mesh.create_mesh(COMM, cells, x, element, partitioner=partition)
+    partition = partition or compat.create_cell_partitioner(mesh.GhostMode.shared_facet)
+    return mesh.create_mesh(COMM, cells, x=x, e=element, partitioner=partition)
 
 
 class Truss:
@@ -100,7 +100,7 @@ class Shell:
         cells = np.vstack([first + [0, m + 1, 1], first + [m + 1, 1, m + 2]])
         element = basix.ufl.element("Lagrange", "triangle", 1, shape=(3,))
         x, cells = (x, cells) if COMM.rank == 0 else (x[:0], cells[:0])
-        self.mesh = mesh.create_mesh(COMM, cells, x, element)
+        self.mesh = mesh.create_mesh(COMM, cells, x=x, e=element)
         parts = [basix.ufl.element("Lagrange", "triangle", degree, shape=(3,)) for degree in (2, 1)]
         self.W = fem.functionspace(self.mesh, basix.ufl.mixed_element(parts))
         self.w, self.bcs = fem.Function(self.W, name="w"), []
@@ -129,7 +129,7 @@ class Shell:
 
     def tip(self):
         """Largest displacement across."""
-        V, numbers = self.W.sub(0).sub(2).collapse()
+        V, numbers = compat.collapse(self.W.sub(0).sub(2))
         return COMM.allreduce(np.abs(self.w.x.array[numbers]).max(initial=0.0), MPI.MAX)
 
 

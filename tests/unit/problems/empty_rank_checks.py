@@ -9,13 +9,13 @@ import itertools
 
 import basix.ufl
 import numpy as np
-from dolfinx import fem, graph, mesh
+from dolfinx import fem, mesh
 from mpi4py import MPI
 from shared_folder import shared_folder
 from idle_rank import working_ranks
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
+from dolfinx_impact import compat, meshes
 from dolfinx_impact.io.run_folder import RunFolder, vertex_average
 
 COMM = MPI.COMM_WORLD
@@ -32,7 +32,7 @@ def all_cells_on(owner):
 
     def partition(comm, num_ranks, cell_types, cells):
         num_cells = len(cells[0]) // 4  # quadrilaterals
-        return graph.adjacencylist(np.full((num_cells, 1), owner, dtype=np.int32))
+        return compat.adjacencylist(np.full((num_cells, 1), owner, dtype=np.int32))
 
     return partition
 
@@ -155,7 +155,7 @@ def ring(owner):
         after = np.roll(node, -1)
         quads = np.array([[n + i, n + i + 1, m + i, m + i + 1] for n, m in zip(node, after) for i in range(2)])
     element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
-    return mesh.create_mesh(COMM, quads, x, element, all_cells_on(owner))
+    return mesh.create_mesh(COMM, quads, x=x, e=element, partitioner=all_cells_on(owner))
 
 
 def wheel(owner, law, friction, approach, contact=di.Lagrange):

@@ -37,7 +37,7 @@ def embedded(cell):
             cells = np.vstack([cells[:, :3], cells[:, 1:]])
     if COMM.rank > 0:
         x, cells = x[:0], cells[:0]
-    return mesh.create_mesh(COMM, cells, x, kind)
+    return mesh.create_mesh(COMM, cells, x=x, e=kind)
 
 
 MESHES = {

@@ -78,7 +78,7 @@ def on(element, domain=None):
 def surface():
     element = basix.ufl.element("Lagrange", "triangle", 1, shape=(3,))
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0.3]])
-    return mesh.create_mesh(COMM, np.array([[0, 1, 2], [1, 2, 3]]), points, element)
+    return mesh.create_mesh(COMM, np.array([[0, 1, 2], [1, 2, 3]]), x=points, e=element)
 
 
 def moved(change, cell="triangle"):

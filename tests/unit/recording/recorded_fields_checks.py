@@ -47,7 +47,7 @@ class Blocks:
         if COMM.rank > 0:
             points, quads = np.zeros((0, 2)), np.zeros((0, 4), dtype=np.int64)
         element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
-        self.mesh = mesh.create_mesh(COMM, quads, points, element)
+        self.mesh = mesh.create_mesh(COMM, quads, x=points, e=element)
         self.two, self.V = two, fem.functionspace(self.mesh, ("Lagrange", degree, (2,)))
         middles = mesh.compute_midpoints(self.mesh, 2, np.arange(self._count(2), dtype=np.int32))[:, 1]
         self.upper = np.flatnonzero(middles > 0.0)

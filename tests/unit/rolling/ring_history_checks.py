@@ -11,6 +11,7 @@ from mpi4py import MPI
 from over_ranks import largest
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 
 COMM = MPI.COMM_WORLD
 INNER, OUTER, LAYERS = 1.0, 2.0, 2
@@ -51,8 +52,8 @@ class Ring:
             cells, x = cells[:0], x[:0]
         kind = "hexahedron" if thick else "quadrilateral"
         element = basix.ufl.element("Lagrange", kind, 1, shape=(self.dim,))
-        shared = mesh.create_cell_partitioner(mesh.GhostMode.shared_facet)
-        self.mesh = mesh.create_mesh(COMM, cells, x[:, : self.dim].copy(), element, shared)
+        shared = compat.create_cell_partitioner(mesh.GhostMode.shared_facet)
+        self.mesh = mesh.create_mesh(COMM, cells, x=x[:, : self.dim].copy(), e=element, partitioner=shared)
         self.V = fem.functionspace(self.mesh, ("Lagrange", 1, (self.dim,)))
         self.axis = self.rotation[:, 2]
 

@@ -13,6 +13,7 @@ from over_ranks import largest, smallest
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 from dolfinx_impact.rolling.power_balance import PowerBalance
 from dolfinx_impact.rolling.rolling_contact import RollingLagrange
 from dolfinx_impact.rolling.sweep_state import SweepState
@@ -47,7 +48,7 @@ def ring(cells=32):
         after = np.roll(node, -1)
         quads = np.array([[n + i, n + i + 1, m + i, m + i + 1] for n, m in zip(node, after) for i in range(4)])
     element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
-    return mesh.create_mesh(COMM, quads, x, element)
+    return mesh.create_mesh(COMM, quads, x=x, e=element)
 
 
 def bound(V):
@@ -246,7 +247,9 @@ def hexahedra(x, cells):
     if COMM.rank > 0:
         cells, x = cells[:0], x[:0]
     element = basix.ufl.element("Lagrange", "hexahedron", 1, shape=(3,))
-    return mesh.create_mesh(COMM, cells, x, element, mesh.create_cell_partitioner(mesh.GhostMode.shared_facet))
+    return mesh.create_mesh(
+        COMM, cells, x=x, e=element, partitioner=compat.create_cell_partitioner(mesh.GhostMode.shared_facet)
+    )
 
 
 def is_tread(x):
@@ -265,7 +268,7 @@ def wheel_on_rail(wheel_is_slave, rates):
     wheel, tyres = wheel_cells(through=2)
     block = mesh.create_box(MPI.COMM_SELF, [(-0.5, -1.2, -0.3), (0.5, -1.0, 0.3)], (10, 2, 6), mesh.CellType.hexahedron)
     domain = hexahedra(
-        np.concatenate([wheel, block.geometry.x]), np.concatenate([tyres, block.geometry.dofmap + len(wheel)])
+        np.concatenate([wheel, block.geometry.x]), np.concatenate([tyres, compat.geometry_dofmap(block) + len(wheel)])
     )
     tread = mesh.locate_entities_boundary(domain, 2, is_tread)
     rail = mesh.locate_entities_boundary(domain, 2, lambda x: np.isclose(x[1], -1.0) & (np.abs(x[0]) < 0.51))

@@ -55,7 +55,7 @@ def ring(cells=12):
     x = np.array([(r * np.cos(a), r * np.sin(a)) for a in angles for r in radii])
     quads = [(2 * k, 2 * k + 1, 2 * ((k + 1) % cells), 2 * ((k + 1) % cells) + 1) for k in range(cells)]
     domain = mesh.create_mesh(
-        MPI.COMM_SELF, np.array(quads), x, basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
+        MPI.COMM_SELF, np.array(quads), x=x, e=basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
     )
     return fem.functionspace(domain, basix.ufl.quadrature_element("quadrilateral", degree=3))
 

@@ -2,10 +2,10 @@
 """Two bodies with a random partition of the mesh, and the facets of their contact surfaces."""
 
 import numpy as np
-from dolfinx import fem, graph
+from dolfinx import fem
 from mpi4py import MPI
 
-from dolfinx_impact import _cpp, meshes
+from dolfinx_impact import _cpp, compat, meshes
 
 
 def scattered(seed):
@@ -15,7 +15,7 @@ def scattered(seed):
         count = {"interval": 2, "triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}
         num_cells = len(cells[0]) // count[cell_types[0].name]
         rng = np.random.default_rng(seed + comm.rank)
-        return graph.adjacencylist(rng.integers(num_parts, size=num_cells).astype(np.int32))
+        return compat.adjacencylist(rng.integers(num_parts, size=num_cells).astype(np.int32))
 
     return partition
 

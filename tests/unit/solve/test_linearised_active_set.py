@@ -26,7 +26,7 @@ def columns():
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
     points = np.concatenate([corners + [2.0 * k, gap] for k, gap in enumerate(GAPS)])
     element = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
-    domain = mesh.create_mesh(MPI.COMM_SELF, np.arange(4 * len(GAPS)).reshape(-1, 4), points, element)
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.arange(4 * len(GAPS)).reshape(-1, 4), x=points, e=element)
     V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
     facets = [mesh.locate_entities_boundary(domain, 1, side) for side in (lambda x: x[1] < 0.5, lambda x: x[1] > 0.9)]
     order = np.argsort(np.concatenate(facets))

@@ -3,11 +3,11 @@
 
 import numpy as np
 import ufl
-from dolfinx import fem, graph
+from dolfinx import fem
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
+from dolfinx_impact import compat, meshes
 
 COMM = MPI.COMM_WORLD
 METHODS = {
@@ -28,7 +28,7 @@ def consecutive_cells(shift):
         counts = comm.allgather(num)
         first, total = sum(counts[: comm.rank]), sum(counts)
         part = (np.arange(first, first + num) * num_parts) // total
-        return graph.adjacencylist(((part + shift) % num_parts).astype(np.int32))
+        return compat.adjacencylist(((part + shift) % num_parts).astype(np.int32))
 
     return partition
 

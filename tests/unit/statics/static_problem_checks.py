@@ -3,13 +3,13 @@
 
 import warnings
 
-import dolfinx.fem.petsc as petsc
 import numpy as np
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 from dolfinx_impact.statics import linear_solver
 
 COMM = MPI.COMM_WORLD
@@ -100,9 +100,8 @@ def check_linear_problem():
         right = ufl.inner(fem.Constant(domain, t), v) * ufl.Measure("ds", domain, subdomain_data=tags)(1)
         right += 1.5 * ufl.inner(fem.Constant(domain, g), v) * ufl.dx
         options = {"ksp_type": "preonly", "pc_type": "lu", "pc_factor_mat_solver_type": "mumps"}
-        linear = petsc.LinearProblem(
-            ufl.inner(sigma, ufl.sym(ufl.grad(v))) * ufl.dx, right, bcs=bcs, petsc_options=options
-        )
+        left = ufl.inner(sigma, ufl.sym(ufl.grad(v))) * ufl.dx
+        linear = compat.linear_problem(left, right, bcs, options, prefix="compared_with_")
         expected = linear.solve()
         # DOLFINx takes a higher quadrature degree on these cells: equal where both are exact (tetrahedra are straight).
         tolerance = 1e-11 if cell == "tetrahedron" else 2e-4

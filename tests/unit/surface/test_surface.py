@@ -46,7 +46,9 @@ def body(cell, geometry_degree):
         element = basix.ufl.element("Lagrange", cell, 2, shape=(dim,))
         V = fem.functionspace(domain, ("Lagrange", 2, (dim,)))
         cells = V.dofmap.list
-        domain = mesh.create_mesh(MPI.COMM_SELF, cells.astype(np.int64), V.tabulate_dof_coordinates()[:, :dim], element)
+        domain = mesh.create_mesh(
+            MPI.COMM_SELF, cells.astype(np.int64), x=V.tabulate_dof_coordinates()[:, :dim], e=element
+        )
         x = domain.geometry.x
     x = domain.geometry.x
     x[:, :dim] += 0.04 * np.sin(5 * x[:, :dim] @ np.ones((dim, dim)) + np.arange(dim))

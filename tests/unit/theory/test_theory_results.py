@@ -149,9 +149,9 @@ VARIANTS = {
 @pytest.mark.parametrize("name, changes", [(n, {}) for n in RESULTS] + list(VARIANTS.items()))
 def test_pictures(name, changes):
     """Axes with labels that carry units, curves with finite points; axes that are given are used."""
-    from dolfinx_impact.io.plots import pyplot
+    import matplotlib.pyplot as plt
 
-    plt = pyplot()
+    before = dict(plt.rcParams)
     figure, ax = plt.subplots()
     assert call(name, **changes).plot(ax) is ax
     assert "[" in ax.get_xlabel() and "[" in ax.get_ylabel()
@@ -161,5 +161,6 @@ def test_pictures(name, changes):
         assert np.all(np.isfinite(x)) and np.all(np.isfinite(y)) and np.ptp(np.append(x, 0)) > 0
     own = call(name, **changes).plot()
     assert own is not ax and len(own.lines) == len(ax.lines)
+    assert dict(plt.rcParams) == before, "a picture leaves the caller's style as it is"
     plt.close(figure)
     plt.close(own.figure)

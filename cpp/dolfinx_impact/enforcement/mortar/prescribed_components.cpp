@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "prescribed_components.h"
+#include "../../common/dolfinx_api.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/la/Vector.h>
@@ -71,15 +72,15 @@ std::vector<std::int8_t> locked_components(const PrescribedComponents& prescribe
   const int g = prescribed.gdim;
   // Of the nodes that the facets number: prescribed or not, motion, position.
   dolfinx::la::Vector<double> known(integrals.map(), 3 * g), sums(integrals.map(), 2 * g);
-  known.set(0.0);
-  sums.set(0.0);
+  common::fill(known, 0.0);
+  common::fill(sums, 0.0);
   const std::size_t owned = std::min(std::size_t(integrals.map()->size_local()), prescribed.fixed.size() / g);
   if (x.size() < owned * g)
     throw std::invalid_argument("positions of all owned nodes are needed");
   for (std::size_t node = 0; node < owned; ++node)
     for (int c = 0; c < g; ++c)
     {
-      double* values = &known.mutable_array()[node * 3 * g];
+      double* values = &common::array(known)[node * 3 * g];
       values[c] = prescribed.fixed[node * g + c];
       values[g + c] = prescribed.driven[node * g + c];
       values[2 * g + c] = x[node * g + c];
@@ -93,7 +94,7 @@ std::vector<std::int8_t> locked_components(const PrescribedComponents& prescribe
                  *facing = &known.array()[std::size_t(entries.cols[k]) * 3 * g];
     if (std::none_of(own, own + g, [](double f) { return f > 0.0; }))
       continue;
-    double* counts = &sums.mutable_array()[std::size_t(entries.rows[k]) * 2 * g];
+    double* counts = &common::array(sums)[std::size_t(entries.rows[k]) * 2 * g];
     for (int c = 0; c < g; ++c)
     {
       const bool moves_alike = facing[c] > 0.0 && same(own[g + c], facing[g + c], prescribed.tolerance);

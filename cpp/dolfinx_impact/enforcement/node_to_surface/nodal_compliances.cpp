@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "nodal_compliances.h"
+#include "../../common/dolfinx_api.h"
 #include "../../operators/nodal_sums.h"
 #include "../../surface/nodal.h"
 #include "../../surface/smooth.h"
@@ -76,7 +77,7 @@ std::vector<double> layer_stiffness(const surface::FunctionSpace& V, const surfa
   const int num_corners = facets.geometry.shape == FacetShape::interval   ? 2
                           : facets.geometry.shape == FacetShape::triangle ? 3
                                                                           : 4;
-  const auto dofs = mesh.geometry().dofmap();
+  const auto dofs = common::geometry_dofmap(mesh);
   const std::span<const double> x = mesh.geometry().x();
   const std::vector<std::int32_t> cells = cells_of(topology, facets);
   std::vector<double> out;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "PenaltyForces.h"
+#include "../../common/dolfinx_api.h"
 #include "../../operators/petsc_check.h"
 #include <dolfinx/la/Vector.h>
 #include <functional>
@@ -95,8 +96,8 @@ std::vector<double> PenaltyForces::nodal_forces(const PenaltyState& state) const
     return out;
   }
   dolfinx::la::Vector<double> values(nodes, _slave.gdim);
-  values.set(0.0);
-  add_force(pair(), state, values.mutable_array());
+  common::fill(values, 0.0);
+  add_force(pair(), state, common::array(values));
   values.scatter_rev(std::plus<double>());
   std::copy_n(values.array().begin(), owned, out.begin());
   return out;

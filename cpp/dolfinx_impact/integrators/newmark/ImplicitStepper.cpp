@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ImplicitStepper.h"
 #include "../../common/OnAllRanks.h"
+#include "../../common/dolfinx_api.h"
 #include "../../common/text.h"
 #include "../../operators/petsc_check.h"
 #include <algorithm>
@@ -49,7 +50,7 @@ ImplicitStepper::ImplicitStepper(std::shared_ptr<const solve::EquilibriumProblem
 {
   if (_total_mass.size() != _equations->num_owned() || _body->inertia().massless().size() != _total_mass.size())
     throw std::invalid_argument("implicit steps: masses of another number than owned degrees of freedom");
-  const auto u = _equations->u->x()->array();
+  const std::span<const double> u = common::array(*_equations->u->x());
   _start_displacement.assign(u.begin(), u.begin() + num_owned());
   _motion.displacement = _start_displacement;
 }
@@ -114,8 +115,8 @@ Forces ImplicitStepper::forces(const Motion& motion, const TimeValues& values)
 
 void ImplicitStepper::show_motion()
 {
-  std::ranges::copy(_motion.velocity, _velocity->x()->mutable_array().begin());
-  std::ranges::copy(_motion.acceleration, _acceleration->x()->mutable_array().begin());
+  std::ranges::copy(_motion.velocity, common::array(*_velocity->x()).begin());
+  std::ranges::copy(_motion.acceleration, common::array(*_acceleration->x()).begin());
   _velocity->x()->scatter_fwd();
   _acceleration->x()->scatter_fwd();
 }
@@ -126,7 +127,7 @@ void ImplicitStepper::start(std::optional<double> step)
   _equations->u->x()->scatter_fwd();
   _velocity->x()->scatter_fwd();
   const std::size_t n = num_owned();
-  const auto v = _velocity->x()->array();
+  const std::span<const double> v = common::array(*_velocity->x());
   _motion.displacement.assign(u().begin(), u().begin() + n);
   _motion.velocity.assign(v.begin(), v.begin() + n);
   for (std::size_t i = 0; i < n; ++i)
@@ -193,8 +194,8 @@ void ImplicitStepper::go_back(const Before& before)
   std::ranges::copy(before.displacement, u().begin());
   for (std::size_t k = 0; k < before.contacts.size(); ++k)
     _equations->contacts[k]->state().assign(before.contacts[k]);
-  std::ranges::copy(before.velocity, _velocity->x()->mutable_array().begin());
-  std::ranges::copy(before.acceleration, _acceleration->x()->mutable_array().begin());
+  std::ranges::copy(before.velocity, common::array(*_velocity->x()).begin());
+  std::ranges::copy(before.acceleration, common::array(*_acceleration->x()).begin());
 }
 
 /// Solve the equations of one step. Collective.
@@ -204,7 +205,7 @@ solve::Increment ImplicitStepper::attempt(double step, const TimeValues& values,
   const auto& contacts = _equations->contacts;
   StepMotion motion(_scheme, step, _motion, _body->inertia().massless(), _equations->fixed, values);
   Function target(_equations->u->function_space());
-  const std::span<double> goal = target.x()->mutable_array();
+  const std::span<double> goal = common::array(*target.x());
   for (std::size_t i = 0; i < n; ++i)
     goal[i] = _equations->fixed[i] ? values.displacement[i] : u()[i];
   target.x()->scatter_fwd();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../common/dolfinx_api.h"
 #include "../../solve/EquilibriumProblem.h"
 #include "../../solve/Increment.h"
 #include "../energy.h"
@@ -86,7 +87,7 @@ private:
   void go_back(const Before& before);
   void accept(Motion motion, const TimeValues& values);
   std::size_t num_owned() const { return _total_mass.size(); }
-  std::span<double> u() const { return _equations->u->x()->mutable_array(); }
+  std::span<double> u() const { return common::array(*_equations->u->x()); }
 
   std::shared_ptr<const solve::EquilibriumProblem> _equations;
   std::shared_ptr<MovingBody> _body;

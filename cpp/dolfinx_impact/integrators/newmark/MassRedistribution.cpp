@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "MassRedistribution.h"
+#include "../../common/dolfinx_api.h"
 #include <dolfinx/fem/DirichletBC.h>
 #include <dolfinx/la/Vector.h>
 #include <functional>
@@ -28,10 +29,10 @@ MassRedistribution::MassRedistribution(std::shared_ptr<const Space> V, std::span
   const int tdim = topology->dim();
   topology->create_connectivity(tdim - 1, tdim);
   dolfinx::la::Vector<double> mask(dofmap.index_map, 1), keeping(dofmap.index_map, 1);
-  mask.set(0.0);
-  keeping.set(0.0);
+  common::fill(mask, 0.0);
+  common::fill(keeping, 0.0);
   for (std::int32_t node : dolfinx::fem::locate_dofs_topological(*topology, dofmap, tdim - 1, facets))
-    mask.mutable_array()[node] = 1.0;
+    common::array(mask)[node] = 1.0;
   _on_surface = shared(mask);
   const std::int32_t num_cells = topology->index_map(tdim)->size_local();
   for (std::int32_t cell = 0; cell < num_cells; ++cell)
@@ -42,7 +43,7 @@ MassRedistribution::MassRedistribution(std::shared_ptr<const Space> V, std::span
       on += _on_surface[node];
     if (on == nodes.size())
       for (std::int32_t node : nodes)
-        keeping.mutable_array()[node] = 1.0;
+        common::array(keeping)[node] = 1.0;
     else if (on > 0)
       _cells.push_back(cell);
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "MovingBody.h"
+#include "../../common/dolfinx_api.h"
 #include "../../operators/petsc_check.h"
 #include <algorithm>
 
@@ -47,7 +48,7 @@ void MovingBody::make_vector(Vec& v, std::span<const double> values) const
 void MovingBody::begin_step(StepMotion step)
 {
   _step = std::move(step);
-  const auto u = _displacement->x()->array();
+  const std::span<const double> u = common::array(*_displacement->x());
   _origin.assign(u.begin(), u.begin() + num_owned());
   const auto a = _step->acceleration_factor(), v = _step->velocity_factor();
   std::vector<double> mass(num_owned());
@@ -75,7 +76,7 @@ Motion MovingBody::end_of_step() const
 
 std::vector<double> MovingBody::damping_forces(const Motion& motion)
 {
-  std::ranges::copy(motion.velocity, _velocity->x()->mutable_array().begin());
+  std::ranges::copy(motion.velocity, common::array(*_velocity->x()).begin());
   std::vector<double> out(num_owned(), 0.0);
   if (_alpha > 0.0)
   {

@@ -12,7 +12,7 @@ from dolfinx import fem
 from petsc4py import PETSc
 from ufl.algorithms import expand_derivatives
 
-from ... import _cpp
+from ... import _cpp, compat
 from ...assembly.ffcx_form import ffcx_form
 from ...common.described import Described
 from ...assembly import operators
@@ -33,7 +33,7 @@ class DampingForce(Described):
         self.space, self.velocity = V, velocity
         self._num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self._form = ffcx_form(form)
-        self._vector = petsc.create_vector(self._form)
+        self._vector = compat.create_vector(V)
         du = ufl.TrialFunction(V)
         by_velocity = expand_derivatives(ufl.derivative(form, velocity, du))
         by_displacement = expand_derivatives(ufl.derivative(form, u, du))

@@ -7,7 +7,7 @@ from mpi4py import MPI
 from over_ranks import largest
 
 import dolfinx_impact as di
-from dolfinx_impact import meshes
+from dolfinx_impact import compat, meshes
 
 COMM = MPI.COMM_WORLD
 
@@ -18,7 +18,7 @@ def pressed(comm, friction, balanced):
                        lower_cells=(4, 2), upper_cells=(4, 2))  # fmt: skip
     V = fem.functionspace(made.mesh, ("Lagrange", 1, (2,)))
     tags, facets, (E, p, chi) = made.tags, made.facet_tags, (1e3, 1.0, 8e4)
-    upper = made.mesh.geometry.x[made.mesh.geometry.dofmap][:, :, 1].mean(axis=1) > 0.5
+    upper = made.mesh.geometry.x[compat.geometry_dofmap(made.mesh)][:, :, 1].mean(axis=1) > 0.5
     nodes, x = np.unique(V.dofmap.list[upper]), V.tabulate_dof_coordinates()
     u, v = fem.Function(V), fem.Function(V)
     rows = u.x.array.reshape(-1, 2)

@@ -34,7 +34,7 @@ class Boxes:
         element = basix.ufl.element("Lagrange", kind, 1, shape=(self.dim,))
         mine = slice(None) if comm.rank == 0 else slice(0)
         more = {} if partitioner is None else {"partitioner": partitioner}
-        self.mesh = mesh.create_mesh(comm, cells[mine], points[mine], ufl.Mesh(element), **more)
+        self.mesh = mesh.create_mesh(comm, cells[mine], x=points[mine], e=ufl.Mesh(element), **more)
         self.V = fem.functionspace(self.mesh, ("Lagrange", degree, (self.dim,)))
         self.law = di.LinearElastic(E, 0.3, 1.0, hypothesis if self.dim == 2 else None)
         self.mesh.topology.create_connectivity(self.dim - 1, self.dim)

@@ -156,7 +156,7 @@ def two_blocks(factor):
     quads = np.stack([corner, corner + 1, corner + 5, corner + 6], axis=1)
     points, cells = np.vstack([xy, xy + [0.0, 0.9975]]), np.vstack([quads, quads + 25])
     element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
-    domain = mesh.create_mesh(MPI.COMM_SELF, cells, points, element)
+    domain = mesh.create_mesh(MPI.COMM_SELF, cells, x=points, e=element)
     near = lambda y: mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], y))  # noqa: E731
     facets = np.concatenate([near(0.9975), near(1.0)])
     order = np.argsort(facets)

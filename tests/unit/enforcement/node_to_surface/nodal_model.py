@@ -2,11 +2,10 @@
 """Explicit contact of two bodies, or of one with an obstacle, step by step; on the ranks of a communicator."""
 
 import numpy as np
-from dolfinx.common import IndexMap
 from mpi4py import MPI
 import partitioned_bodies
 
-from dolfinx_impact import _cpp
+from dolfinx_impact import _cpp, compat
 
 
 class Nodal:
@@ -38,7 +37,7 @@ class Nodal:
         remote_owners = np.concatenate([side.remote_owners for side in self.sides])[first]
         ghosts = np.concatenate([self.map.ghosts, remote])
         owners = np.concatenate([self.map.owners, remote_owners]).astype(np.int32)
-        self.index_map = IndexMap(self.comm, self.num, ghosts, owners)
+        self.index_map = compat.create_index_map(self.comm, self.num, ghosts, owners)
         self.halo = _cpp.operators.Halo(self.index_map)
         self.mass = self.spread(self.mass_owned[:, None]).reshape(-1)
         for side in self.sides:

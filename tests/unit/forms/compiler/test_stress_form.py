@@ -5,6 +5,7 @@ import pytest
 import ufl
 import user_forms
 
+from dolfinx_impact import compat
 from dolfinx_impact.forms.compiler import emit, frontend
 from dolfinx_impact.forms.compiler.stress_form import by_test_gradient
 
@@ -13,7 +14,7 @@ DX = ufl.dx(metadata={"quadrature_degree": 2})
 
 def setting(cell="hexahedron"):
     mesh = user_forms.mesh_of(cell)
-    V = user_forms.space(mesh, shape=(mesh.geometric_dimension(),))
+    V = user_forms.space(mesh, shape=(compat.geometric_dimension(mesh),))
     return mesh, ufl.Coefficient(V), ufl.TestFunction(V)
 
 

@@ -8,7 +8,7 @@ import ufl
 import user_forms
 from kernel_oracle import Oracle, difference, two_processes, write_ffcx, write_ours
 
-from dolfinx_impact import _cpp
+from dolfinx_impact import _cpp, compat
 from dolfinx_impact.forms.compiler import frontend
 
 CELLS = ("triangle", "hexahedron")
@@ -122,9 +122,9 @@ def test_volume_of_cells_that_are_not_affine(cell, degree, tmp_path, rng):
     for i, form in enumerate(forms):
         path, names = write_ours(frontend.form_integrals(form, "volume", {}), tmp_path / f"volume_{cell}_{i}")
         kernels += _cpp.kernels.load(str(path), names)
-    x = np.zeros((mesh.ufl_coordinate_element().dim // mesh.geometric_dimension(), 3))
-    x[:, : mesh.geometric_dimension()] = mesh.ufl_coordinate_element().sub_elements[0].basix_element.points
-    x[:, : mesh.geometric_dimension()] += rng.uniform(-0.1, 0.1, (len(x), mesh.geometric_dimension()))
+    x = np.zeros((mesh.ufl_coordinate_element().dim // compat.geometric_dimension(mesh), 3))
+    x[:, : compat.geometric_dimension(mesh)] = mesh.ufl_coordinate_element().sub_elements[0].basix_element.points
+    x[:, : compat.geometric_dimension(mesh)] += rng.uniform(-0.1, 0.1, (len(x), compat.geometric_dimension(mesh)))
     sums = []
     for kernel in kernels:
         A = np.zeros(kernel.shape[0])
@@ -155,10 +155,10 @@ POINTS = {"triangle": [[0.2, 0.3], [0.6, 0.1]], "hexahedron": [[0.2, 0.3, 0.9], 
 
 def _stress(cell):
     mesh = user_forms.mesh_of(cell, 2)
-    u = ufl.Coefficient(user_forms.space(mesh, degree=2, shape=(mesh.geometric_dimension(),)))
+    u = ufl.Coefficient(user_forms.space(mesh, degree=2, shape=(compat.geometric_dimension(mesh),)))
     d, c = ufl.Coefficient(user_forms.space(mesh, "DG", 0)), ufl.Constant(mesh)
     unused = ufl.Coefficient(user_forms.space(mesh))
-    F = 2 * ufl.Identity(mesh.geometric_dimension()) + ufl.grad(u) + 0 * unused * ufl.grad(u)
+    F = 2 * ufl.Identity(compat.geometric_dimension(mesh)) + ufl.grad(u) + 0 * unused * ufl.grad(u)
     return d * ufl.inv(F).T + c * ufl.ln(ufl.det(F) ** 2) * F
 
 

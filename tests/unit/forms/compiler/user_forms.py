@@ -5,6 +5,8 @@ import basix.ufl
 import numpy as np
 import ufl
 
+from dolfinx_impact import compat
+
 
 def mesh_of(cell, degree=1):
     dim = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}[cell]
@@ -12,7 +14,7 @@ def mesh_of(cell, degree=1):
 
 
 def space(mesh, family="Lagrange", degree=1, shape=()):
-    return ufl.FunctionSpace(mesh, basix.ufl.element(family, mesh.ufl_cell().cellname(), degree, shape=shape))
+    return ufl.FunctionSpace(mesh, basix.ufl.element(family, compat.cell_name(mesh), degree, shape=shape))
 
 
 def functions(cell):
@@ -63,7 +65,7 @@ def one_point_rules(cell):
     mesh = mesh_of(cell)
     V = space(mesh)
     f, v = ufl.Coefficient(V), ufl.TestFunction(V)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
 
     def at(x):
         data = {
@@ -88,7 +90,7 @@ def rule_at_the_vertices(cell):
 def coefficients_of_all_kinds(cell):
     """Values at nodes of two degrees, per cell (scalar and vector), and at the points of the rule."""
     mesh = mesh_of(cell)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     V = space(mesh, degree=2, shape=(dim,))
     u, v = ufl.Coefficient(V), ufl.TestFunction(V)
     p = ufl.Coefficient(space(mesh, degree=1))
@@ -105,7 +107,7 @@ def coefficients_of_all_kinds(cell):
 def facet_geometry(cell):
     """Normals, coordinates and coefficients on facets, against values and gradients of the test function."""
     mesh = mesh_of(cell, 2)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     V = space(mesh, degree=2, shape=(dim,))
     u, v = ufl.Coefficient(V), ufl.TestFunction(V)
     n, x = ufl.FacetNormal(mesh), ufl.SpatialCoordinate(mesh)
@@ -117,7 +119,7 @@ def facet_geometry(cell):
 def facet_matrix(cell):
     """Matrix over facets (Nitsche's consistency terms)."""
     mesh = mesh_of(cell)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     V = space(mesh, degree=2, shape=(dim,))
     u, v, n = ufl.TrialFunction(V), ufl.TestFunction(V), ufl.FacetNormal(mesh)
     k = ufl.Coefficient(space(mesh))
@@ -151,7 +153,7 @@ def degree_three(cell):
 def rectangular(cell):
     """A matrix whose test and trial spaces differ in degree and shape."""
     mesh = mesh_of(cell)
-    V, Q = space(mesh, degree=2, shape=(mesh.geometric_dimension(),)), space(mesh)
+    V, Q = space(mesh, degree=2, shape=(compat.geometric_dimension(mesh),)), space(mesh)
     u, q = ufl.TrialFunction(V), ufl.TestFunction(Q)
     return q * ufl.div(u) * ufl.dx(metadata={"quadrature_degree": 3})
 
@@ -167,7 +169,7 @@ def second_derivatives(cell):
 def tensor_valued(cell):
     """A symmetric tensor space, and indices, determinants and inverses of tensors."""
     mesh = mesh_of(cell)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     T = space(mesh, "DG", 1, (dim, dim))
     s, t = ufl.Coefficient(T), ufl.TestFunction(T)
     F = 3 * ufl.Identity(dim) + s
@@ -177,7 +179,7 @@ def tensor_valued(cell):
 def taylor_hood(cell):
     """A mixed element."""
     mesh = mesh_of(cell)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     P2, P1 = basix.ufl.element("Lagrange", cell, 2, shape=(dim,)), basix.ufl.element("Lagrange", cell, 1)
     W = ufl.FunctionSpace(mesh, basix.ufl.mixed_element([P2, P1]))
     w = ufl.Coefficient(W)
@@ -200,7 +202,7 @@ def powers(cell):
 def derivative_of_energies(cell):
     """Derivative of energies of invariants, with fibres that bear tension only, beside a load in the same integral."""
     mesh = mesh_of(cell)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     V = space(mesh, shape=(dim,))
     u, v, c = ufl.Coefficient(V), ufl.TestFunction(V), ufl.Constant(mesh)
     dx = ufl.dx(metadata={"quadrature_degree": 2})
@@ -219,7 +221,7 @@ def derivative_of_energies(cell):
 def sizes_of_cells(cell):
     """Lengths of edges, diameter, of simplices radius and volume; on facets edges of facets and areas."""
     mesh = mesh_of(cell)
-    dim = mesh.geometric_dimension()
+    dim = compat.geometric_dimension(mesh)
     V = space(mesh)
     f, v = ufl.Coefficient(V), ufl.TestFunction(V)
     h = ufl.CellDiameter(mesh) + 2 * ufl.MinCellEdgeLength(mesh) * ufl.MaxCellEdgeLength(mesh)

@@ -23,7 +23,7 @@ def surface_of(cell, geometry_degree, move, cells=(2, 2, 1), degree=1):
         V = fem.functionspace(domain, ("Lagrange", 2, (dim,)))
         element = basix.ufl.element("Lagrange", cell, 2, shape=(dim,))
         points = V.tabulate_dof_coordinates()[:, :dim]
-        domain = mesh.create_mesh(MPI.COMM_SELF, V.dofmap.list.astype(np.int64), points, element)
+        domain = mesh.create_mesh(MPI.COMM_SELF, V.dofmap.list.astype(np.int64), x=points, e=element)
     upper = mesh.locate_entities_boundary(domain, dim - 1, lambda x: np.isclose(x[dim - 1], 1))
     domain.geometry.x[:, :dim] = move(domain.geometry.x[:, :dim])
     domain.topology.create_connectivity(dim - 1, dim)
