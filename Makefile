@@ -50,8 +50,8 @@ bench: ## the benchmarks; writes results/bench.json and appends the ratios to do
 docs: ## the documentation site, in build/site; works without a network
 	$(RUN) make docs-here
 
-notebooks: ## the demos as Jupyter notebooks, in build/notebooks (another folder: make notebooks FOLDER=name)
-	$(RUN) python3 docs/notebooks.py $(or $(FOLDER),build/notebooks)
+notebooks: ## the demos as Jupyter notebooks, run, in build/notebooks (ARGS="hertz two_bars", ARGS=--no-run, FOLDER=name)
+	$(RUN) python3 docs/notebooks.py $(or $(FOLDER),build/notebooks) $(ARGS)
 
 public-names: ## the list of public names and signatures anew, after a change on purpose (docs/compatibility.md)
 	$(RUN) python3 tests/architecture/public_names.py

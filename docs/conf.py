@@ -132,7 +132,7 @@ def write_notebooks(app, error):
     """The demos as files to download, as Python and as notebooks."""
     if error is None and app.builder.format == "html":
         folder = pathlib.Path(app.outdir) / "notebooks"
-        for path in notebooks.write(folder):
+        for path in notebooks.write(folder, outputs=False):
             shutil.copy(path, folder)
 
 

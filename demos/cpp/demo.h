@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
-// What the demos beside this file have in common: their main function.
+// What the demos beside this file have in common: their main function, and a call of DOLFINx whose arguments differ
+// between its releases.
 #pragma once
 #include <cstdio>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <exception>
 #include <petscsys.h>
 #include <spdlog/spdlog.h>
+
+using dolfinx_impact::common::create_functionspace;
 
 /// Start PETSc and MPI, run a demo, and end them.
 /// @param[in] name of the demo, for errors

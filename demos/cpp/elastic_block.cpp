@@ -32,7 +32,7 @@ std::shared_ptr<fem::Function<double>> displacement(mesh::CellType cell, int deg
                                                      degree, basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
   return std::make_shared<fem::Function<double>>(
-      std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3})));
+      std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {3})));
 }
 
 /// Nodes at a position along the block.

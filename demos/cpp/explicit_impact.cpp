@@ -30,7 +30,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {2}));
   auto u = std::make_shared<fem::Function<double>>(V), v = std::make_shared<fem::Function<double>>(V);
   for (std::size_t i = 0; i < v->x()->array().size(); i += 2)
     dolfinx_impact::common::array(*v->x())[i] = -velocity;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <basix/finite-element.h>
 #include <cmath>
-#include <dolfinx/fem/utils.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
@@ -59,7 +58,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {2}));
   auto u = std::make_shared<fem::Function<double>>(V);
   const problems::KernelMaterial steel{"linear_elastic", {{"E", {E}}, {"nu", {nu}}}, "plane_strain"};
 

@@ -39,7 +39,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::hexahedron, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {3}));
   std::vector<std::int32_t> cells(mesh->topology()->index_map(3)->size_local());
   std::iota(cells.begin(), cells.end(), 0);
 

@@ -45,7 +45,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {2}));
   auto u = std::make_shared<fem::Function<double>>(V), top = std::make_shared<fem::Function<double>>(V);
   const problems::KernelMaterial material{"linear_elastic", {{"E", {E}}, {"nu", {nu}}}, "plane_strain"};
   problems::BoundaryConditions bcs{

@@ -4,7 +4,6 @@
 #include "demo.h"
 #include <basix/finite-element.h>
 #include <cmath>
-#include <dolfinx/fem/utils.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/RollingProblem.h>
 #include <dolfinx_impact/problems/SpinningBody.h>
@@ -56,7 +55,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {2}));
   auto u = std::make_shared<fem::Function<double>>(V);
   const auto hub = std::make_shared<fem::Constant<double>>(std::vector{0.0, -down}, std::vector{std::size_t(2)});
   const problems::BoundaryConditions bcs{

@@ -26,7 +26,7 @@ bool run()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::hexahedron, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+  auto V = std::make_shared<fem::FunctionSpace<double>>(create_functionspace(mesh, element, {3}));
   auto u = std::make_shared<fem::Function<double>>(V), v = std::make_shared<fem::Function<double>>(V);
 
   // The end x = 0 moves with constant velocity; y = 0 and z = 0 are planes of symmetry, the other sides are free.

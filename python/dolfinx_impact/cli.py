@@ -5,13 +5,13 @@ import argparse
 import contextlib
 import difflib
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from .common.end_with_parent import command_of
+from .common.mpi_launcher import mpi_launcher
 
 FORWARDED = {
     "verify": "generated kernels against the hand-written solver (its own options: dolfinx-impact verify --help)",
@@ -114,7 +114,7 @@ def demo(arguments: argparse.Namespace) -> int:
     path = str(known[arguments.name][0])
     command = [sys.executable, path]
     if arguments.ranks > 1:
-        launcher = shutil.which("mpirun") or shutil.which("mpiexec")
+        launcher = mpi_launcher()
         if launcher is None:
             print("--ranks needs mpirun, which is not on the PATH (Debian: openmpi-bin)", file=sys.stderr)
             return 2

@@ -11,6 +11,7 @@ import ufl
 from mpi4py import MPI
 
 from dolfinx_impact.assembly.jit import Compiled, compile_form
+from dolfinx_impact.common.progress_bar import transient_bar
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import registry
 from . import catalogue, nodes
@@ -51,10 +52,8 @@ def compile_all(cases: Sequence[Case], progress: bool = True, processes: int = 2
         progress: show a progress bar.
         processes: number of processes.
     """
-    from rich.progress import Progress
-
     with (
-        Progress(disable=not progress, transient=True) as bar,
+        transient_bar(progress) as bar,
         multiprocessing.get_context("spawn").Pool(processes) as pool,
     ):
         task = bar.add_task("compiling kernels", total=len(cases))
@@ -259,9 +258,7 @@ def run(report: Report, cases: Sequence[Case], count: int = 100, progress: bool 
         count: number of random cells per case.
         progress: show a progress bar.
     """
-    from rich.progress import Progress
-
-    with Progress(disable=not progress, transient=True) as bar:
+    with transient_bar(progress) as bar:
         task = bar.add_task("element level", total=len(cases))
         for case in cases:
             try:

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from dolfinx_impact.assembly.large_rotation import LargeRotation
 from dolfinx_impact.assembly.locking import Locking
-from dolfinx_impact.contact.static_view import INITIAL_PENETRATION
+from dolfinx_impact.common.messages import INITIAL_PENETRATION
 
 
 @contextmanager

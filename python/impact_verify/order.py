@@ -16,6 +16,7 @@ from dolfinx.mesh import exterior_facet_indices
 
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from dolfinx_impact import compat, materials
+from dolfinx_impact.common.progress_bar import transient_bar
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.forms import loads, quadrature
 from dolfinx_impact.loads import Load
@@ -80,11 +81,9 @@ def run(report: Report, folder: Path | None = None, progress: bool = True, cases
     Returns:
         Cells per side and errors by element.
     """
-    from rich.progress import Progress
-
     results: Results = {}
     cases = [c for c in cases if report.wants(c[0], c[1])]
-    with Progress(disable=not progress, transient=True) as bar:
+    with transient_bar(progress) as bar:
         task = bar.add_task("manufactured solutions", total=len(cases) * 4)
         for cell, degree, hypothesis, sizes in cases:
             rows = []

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
 from . import contact_ranks, explicit_ranks
 from .report import Report
@@ -53,9 +54,7 @@ def run(report: Report, ranks: Sequence[int] = (1, 2, 3), progress: bool = True,
     with tempfile.TemporaryDirectory() as folder:
         for n in counts:
             path = Path(folder) / f"{n}.json"
-            command = ["mpirun", "-n", str(n), sys.executable, "-m", "impact_verify.ranks", str(path)]
-            if n == 1:
-                command = command[3:]
+            command = [*on_ranks(n), sys.executable, "-m", "impact_verify.ranks", str(path)]
             done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, env=_environment())
             if done.returncode != 0:
                 raise RuntimeError(f"the run on {n} ranks failed:\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}")

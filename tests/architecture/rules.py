@@ -310,6 +310,8 @@ def forms_violations(root):
 
 # The files that may ask for a release of DOLFINx, UFL, Basix or FFCx, or use what only some releases have.
 RELEASE_LAYERS = ("python/dolfinx_impact/compat.py",)
+RELEASE_LAYERS_CPP = tuple(f"cpp/dolfinx_impact/common/{name}.h" for name in ("dolfinx_api", "create_functionspace"))
+RELEASE_LAYERS_CPP += ("cpp/bindings/casters.h",)
 # Names that only some releases have, or that are properties in one and functions in another, and where they are
 # looked for: in any object but the module compat; in `geometry`; in the modules named.
 OF_RELEASES = ("gmshio", "cellname", "geometric_dimension", "topological_dimension", "interpolation_points")
@@ -320,6 +322,12 @@ OF_MODULES = {"io": ("gmsh",), "petsc": ("create_vector",), "la": ("create_petsc
 LIBRARIES = ("dolfinx", "ufl", "basix", "ffcx")
 _PAGE_SPELLING = re.compile(
     r"\.geometry\.(?:cmap|dofmap)s?\b|\bgmshio\b|(?<!compat)\.(?:interpolation_points|cellname|geometric_dimension)\b"
+)
+# The last one of a C++ file is a view in 0.9 and a copy in later releases.
+_CPP_SPELLINGS = re.compile(
+    r"dolfinx::MPI::mpi_(?:type|t)\b|\bmutable_array\(|(?:\.|->)cmaps?\(\)|geometry(?:\(\))?\.dofmaps?\(|"
+    r"(?:\.|->)value_shape\(\)|(?:\.|->)collapse\(\)|sparsitybuild|(?:\.|->)set\(0|(?:\.|->)array\(\)\.(?:first|last|subspan)|"
+    r"fem::create_functionspace\(|DOLFINX_VERSION|caster_(?:mpi|petsc)\.h|auto&?&? \w+ = [^;\n]*(?:\.|->)array\(\);"
 )
 
 
@@ -334,6 +342,12 @@ def release_violations(root):
                 tree = ast.parse(path.read_text(), str(path))
                 found = {(node.lineno, what) for node in ast.walk(tree) for what in _of_a_release(node)}
                 complaints += [f"{name}:{line}: {what} is not the same in all releases" for line, what in sorted(found)]
+    for folder in ("cpp/dolfinx_impact", "cpp/bindings", "tests/cpp", "demos/cpp"):
+        for path in sources(root / folder, (".h", ".cpp")):
+            name = path.relative_to(root).as_posix()
+            for number, line in enumerate(path.read_text().splitlines() if name not in RELEASE_LAYERS_CPP else (), 1):
+                for match in _CPP_SPELLINGS.finditer(line):
+                    complaints.append(f"{name}:{number}: {match[0]} is not the same in all releases")
     for path in sources(root / "docs", (".md",)):
         for number, line in enumerate(path.read_text().splitlines(), 1):
             for match in _PAGE_SPELLING.finditer(line):

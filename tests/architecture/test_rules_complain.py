@@ -250,6 +250,9 @@ GOOD_RELEASES = {
     "demos/hertz.py": "bars = mesh.create_mesh(comm, cells, x=points, e=element)\nV.dofmap.list\nimage.cmap\n",
     "tests/unit/a/test_a.py": "space, dofs = compat.collapse(W)\nIndexMap(comm, 3)\nnumpy.__version__\n",
     "docs/page.md": "of `dolfinx.io`\n\n    d = compat.geometric_dimension(mesh)\n",
+    "cpp/dolfinx_impact/common/dolfinx_api.h": "return mesh.geometry().cmaps().front();\nv.mutable_array();\n",
+    "cpp/bindings/casters.h": "#include <caster_mpi.h>\n",
+    "cpp/dolfinx_impact/gap/gap.cpp": "std::span<const double> x = common::array(v);\nV.dofmap()->list();\nf(v.array());\n",
 }
 
 
@@ -283,6 +286,18 @@ def test_releases_pass_a_good_tree(tree):
         ("tests/unit/a/test_a.py", "A = petsc.assemble_matrix(form, bcs=bcs, diagonal=0.0)\n"),
         ("tests/unit/a/test_a.py", "part = mesh.create_cell_partitioner(mesh.GhostMode.none)\n"),
         ("docs/figures.py", "cells = mesh.geometry.dofmap\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "auto type = dolfinx::MPI::mpi_type<T>();\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "v.mutable_array()[0] = 1.0;\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "const auto u = function->x()->array();\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "take(u.x()->array().first(n));\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "sums.set(0.0);\n"),
+        ("cpp/dolfinx_impact/gap/gap.cpp", "int p = mesh.geometry().cmap().degree();\n"),
+        ("cpp/dolfinx_impact/gap/gap.h", "auto d = geometry.dofmap();\n"),
+        ("cpp/dolfinx_impact/gap/gap.h", "bool b = V.value_shape().size();\n"),
+        ("cpp/bindings/gap.cpp", "#include <caster_petsc.h>\n"),
+        ("demos/cpp/impact.cpp", "const auto [field, dofs] = V.sub({0}).collapse();\n"),
+        ("demos/cpp/impact.cpp", "auto V = dolfinx::fem::create_functionspace(mesh, element, {2});\n"),
+        ("tests/cpp/test_a.cpp", "dolfinx::fem::sparsitybuild::cells(p, {c, c}, {d, d});\n"),
         ("docs/page.md", "    x = mesh.geometry.x[mesh.geometry.dofmap]\n"),
     ],
 )

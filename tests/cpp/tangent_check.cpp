@@ -8,6 +8,7 @@
 #include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
@@ -81,7 +82,8 @@ void checks()
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::hexahedron, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+  auto V =
+      std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {3}));
   auto u = std::make_shared<Function>(V), d = std::make_shared<Function>(V), start = std::make_shared<Function>(V);
   set(*start, 0.03, 0.0), set(*d, 1.0, 1.0);
   const auto map = V->dofmap()->index_map;

@@ -8,6 +8,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx/mesh/utils.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/integrators/ContactForces.h>
 #include <dolfinx_impact/surface/Surface.h>
 #include <limits>
@@ -268,7 +269,7 @@ TEST_CASE("kinematic contact corrects displacement, velocity and the sums of an 
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  const surface::FunctionSpace V = dolfinx::fem::create_functionspace(mesh, element, {2});
+  const surface::FunctionSpace V = dolfinx_impact::common::create_functionspace(mesh, element, {2});
   const std::vector<std::int32_t> bottom =
       dolfinx::mesh::locate_entities_boundary(*mesh, 1,
                                               [](auto x)

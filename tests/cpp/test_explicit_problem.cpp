@@ -10,6 +10,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/enforcement/node_to_surface/NodePenalty.h>
@@ -58,7 +59,7 @@ struct Square
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
     v = std::make_shared<fem::Function<double>>(V);
     const std::vector<double> x = V->tabulate_dof_coordinates(false);
@@ -285,7 +286,8 @@ TEST_CASE("quadratic cells are lumped by their kind: positive masses with the ri
     const auto element =
         basix::create_element<double>(basix::element::family::P, cell, 2, basix::element::lagrange_variant::gll_warped,
                                       basix::element::dpc_variant::unset, false);
-    const auto V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    const auto V =
+        std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     const auto u = std::make_shared<fem::Function<double>>(V);
     const problems::KernelMaterial law{"linear_elastic", {{"E", {1.0}}, {"nu", {0.3}}}, "plane_strain"};
     const std::vector<double> mass = problems::explicit_body(u, {{law, 1.0}}).mass;
@@ -366,7 +368,7 @@ struct Plate
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
   }
   surface::Facets side(double y) const

@@ -8,6 +8,7 @@
 #include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/integrators/ForceTerm.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <stdexcept>
@@ -30,7 +31,8 @@ struct Square
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<dolfinx::fem::FunctionSpace<double>>(dolfinx::fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<dolfinx::fem::FunctionSpace<double>>(
+        dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<dolfinx::fem::Function<double>>(V);
     x = V->tabulate_dof_coordinates(false);
   }

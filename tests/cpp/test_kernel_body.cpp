@@ -11,6 +11,7 @@
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/problems/KernelBody.h>
 #include <dolfinx_impact/problems/StaticProblem.h>
@@ -46,7 +47,7 @@ struct Bar
     const auto element = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell),
                                                        degree, basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {3}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {3}));
     u = std::make_shared<fem::Function<double>>(V);
   }
 

@@ -5,6 +5,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/solve/FunctionBody.h>
 #include <dolfinx_impact/solve/LoadSteps.h>
@@ -32,7 +33,7 @@ struct Stretched
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
     const auto V = std::make_shared<dolfinx::fem::FunctionSpace<double>>(
-        dolfinx::fem::create_functionspace(mesh, element, std::vector<std::size_t>{}));
+        dolfinx_impact::common::create_functionspace(mesh, element, std::vector<std::size_t>{}));
     problem->u = std::make_shared<dolfinx::fem::Function<double>>(V);
     solve::FunctionBody::Functions functions;
     functions.accept_step = [this] { ++accepted; };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/enforcement/mortar/MortarContact.h>
 #include <dolfinx_impact/enforcement/mortar/shared_nodes.h>
 #include <dolfinx_impact/surface/Surface.h>
@@ -35,7 +36,7 @@ struct SquareOnPlane
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<surface::FunctionSpace>(dolfinx::fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<surface::FunctionSpace>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     const auto below = [](auto x)
     {
       std::vector<std::int8_t> on;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <stdexcept>
 #include <string>
@@ -88,7 +89,7 @@ struct SquareOnPlane
       std::make_shared<dolfinx::mesh::Mesh<double>>(dolfinx::mesh::create_rectangle<double>(
           MPI_COMM_SELF, {{{0.0, 0.0}, {1.0, 1.0}}}, {1, 1}, dolfinx::mesh::CellType::quadrilateral));
   std::shared_ptr<const surface::FunctionSpace> V =
-      std::make_shared<surface::FunctionSpace>(dolfinx::fem::create_functionspace(
+      std::make_shared<surface::FunctionSpace>(dolfinx_impact::common::create_functionspace(
           mesh,
           basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                         basix::element::lagrange_variant::gll_warped,

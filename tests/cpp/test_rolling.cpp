@@ -11,6 +11,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/operators/petsc_check.h>
@@ -45,7 +46,7 @@ std::shared_ptr<fem::FunctionSpace<double>> square(int degree, int cells = 6)
   const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral,
                                                      degree, basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  return std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+  return std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
 }
 
 std::vector<std::int32_t> counted(std::size_t n)
@@ -76,7 +77,8 @@ std::shared_ptr<fem::FunctionSpace<double>> block(mesh::CellType cell)
   const auto element = basix::create_element<double>(basix::element::family::P, mesh::cell_type_to_basix_type(cell), 1,
                                                      basix::element::lagrange_variant::gll_warped,
                                                      basix::element::dpc_variant::unset, false);
-  return std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {std::size_t(dim)}));
+  return std::make_shared<fem::FunctionSpace<double>>(
+      dolfinx_impact::common::create_functionspace(mesh, element, {std::size_t(dim)}));
 }
 
 /// A square or a cube that spins about an axis through its centre, in space an oblique one; its lower side is held.

@@ -9,6 +9,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/OnAllRanks.h>
+#include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <dolfinx_impact/problems/KernelBody.h>
@@ -51,7 +52,7 @@ struct Block
     const auto element = basix::create_element<double>(basix::element::family::P, basix::cell::type::quadrilateral, 1,
                                                        basix::element::lagrange_variant::gll_warped,
                                                        basix::element::dpc_variant::unset, false);
-    V = std::make_shared<fem::FunctionSpace<double>>(fem::create_functionspace(mesh, element, {2}));
+    V = std::make_shared<fem::FunctionSpace<double>>(dolfinx_impact::common::create_functionspace(mesh, element, {2}));
     u = std::make_shared<fem::Function<double>>(V);
     top = std::make_shared<fem::Function<double>>(V);
     problems::BoundaryConditions bcs{

@@ -13,7 +13,7 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact.assembly.large_rotation import LargeRotation
 from dolfinx_impact.assembly.locking import Locking, warn_of_locking
-from dolfinx_impact.contact.static_view import INITIAL_PENETRATION
+from dolfinx_impact.common.messages import INITIAL_PENETRATION
 from impact_verify import cross_check, html, plastic_bodies, solution, verify_command
 from impact_verify.model_warnings import model_warnings_off
 

@@ -88,7 +88,7 @@ def test_a_folder_that_cannot_be_made_gives_status_2(tmp_path, monkeypatch, caps
 
 
 def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(cli.shutil, "which", lambda name: None)
+    monkeypatch.setattr(cli, "mpi_launcher", lambda: None)
     assert cli.main(["demo", "rolling_disc", "--ranks", "2"]) == 2
     assert "mpirun" in capsys.readouterr().err
 

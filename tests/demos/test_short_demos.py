@@ -2,11 +2,13 @@
 """The eleven demos to copy from: short, of public names only, and what the pages show is what they print and draw."""
 
 import ast
+import base64
 import subprocess
 import sys
 
 import dolfinx_impact as di
 import jupytext
+import nbformat
 import numpy as np
 import pytest
 from outputs import numbers, words
@@ -25,7 +27,7 @@ import sys
 import jupytext
 namespace = {"__name__": "__main__"}
 for cell in jupytext.read(sys.argv[1]).cells:
-    if cell.cell_type == "code":
+    if cell.cell_type == "code" and "pictures" not in cell.metadata.get("tags", ()):
         exec(compile(cell.source, sys.argv[1], "exec"), namespace)
 """
 
@@ -70,7 +72,8 @@ def assert_as_in_the_pages(name, output, path, checkout):
 @pytest.fixture(scope="module")
 def notebooks(checkout, tmp_path_factory):
     folder = tmp_path_factory.mktemp("notebooks")
-    done = subprocess.run([sys.executable, checkout / "docs" / "notebooks.py", folder], capture_output=True, text=True)
+    command = [sys.executable, checkout / "docs" / "notebooks.py", folder, "--no-run"]
+    done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return folder
 
@@ -80,6 +83,27 @@ def test_every_demo_is_a_notebook(notebooks):
     for name in cli.demos():
         cells = jupytext.read(notebooks / f"{name}.ipynb").cells
         assert cells[0].cell_type == "markdown" and {cell.cell_type for cell in cells} == {"markdown", "code"}
+
+
+def test_notebooks_have_outputs_and_pictures(checkout, tmp_path):
+    """As `make notebooks ARGS=NAME` makes them: what the demo prints, and its picture as PNG."""
+    command = [sys.executable, checkout / "docs" / "notebooks.py", tmp_path, "two_bars"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["two_bars.ipynb"]
+    cells = [cell for cell in nbformat.read(tmp_path / "two_bars.ipynb", 4).cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in cells] == list(range(1, len(cells) + 1))
+    printed = "".join(output.text for cell in cells for output in cell.outputs if output.output_type == "stream")
+    page = (checkout / "docs" / "figures" / "demo_two_bars.txt").read_text()
+    assert words(f"{printed}results in results/two_bars\n") == words(page)
+    pictures = [output.data["image/png"] for output in cells[-1].outputs]
+    assert len(pictures) == 1 and base64.b64decode(pictures[0]).startswith(b"\x89PNG")
+
+
+def test_an_unknown_demo_is_no_notebook(checkout, tmp_path):
+    command = [sys.executable, checkout / "docs" / "notebooks.py", tmp_path / "made", "two_barss"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 2 and "there is no demo two_barss; there are bar_on_wall," in done.stderr
 
 
 @pytest.mark.long_rows(where=lambda name: name not in ("hertz", "own_form"))

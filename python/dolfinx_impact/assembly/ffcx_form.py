@@ -12,12 +12,16 @@ from __future__ import annotations
 import contextlib
 import os
 import re
+import shlex
+import shutil
+import sysconfig
 import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import ufl
+from cffi import VerificationError
 from dolfinx import fem, jit
 
 from ..common.collective import common
@@ -78,16 +82,41 @@ def ffcx_form(form: ufl.Form, jit_options: dict[str, Any] | None = None) -> fem.
         with _compiling(folder):
             try:
                 return fem.form(geometry.with_facet_areas(form), jit_options=jit_options)
-            except (TimeoutError, RuntimeError) as error:  # on several ranks DOLFINx makes it a RuntimeError of all
+            except (TimeoutError, RuntimeError, VerificationError) as error:  # on several ranks a RuntimeError of all
                 failed = error
         timeout = comm.bcast(str(failed) if "JIT compilation timed out" in str(failed) else None)
         if timeout is None:
+            missing = comm.bcast(missing_for_forms())  # rank 0 compiles
+            if missing:
+                raise RuntimeError(missing) from failed
             raise failed
         path = _unfinished(timeout)
         again = comm.bcast(path is not None and _remove_leftover(path, folder) if comm.rank == 0 else None)
         if attempt == 2 or not again:
             break
     raise TimeoutError(timeout) from failed
+
+
+def missing_for_forms() -> str:
+    """What FFCx lacks to compile forms on this machine.
+
+    Returns:
+        A sentence; empty if nothing that can be seen here is missing.
+    """
+    command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
+    if shutil.which(command[0]) is None:
+        return (
+            f"no C compiler was found ({command[0]}): DOLFINx compiles the forms of static and implicit problems at "
+            "run time. Install one (Debian: gcc, python3-dev) or set CC; explicit runs of the catalogue's forms work "
+            "without"
+        )
+    header = Path(sysconfig.get_path("include"), "Python.h")
+    if not header.exists():
+        return (
+            f"Python's headers were not found ({header}): DOLFINx compiles the forms of static and implicit problems "
+            "at run time. Install them (Debian: python3-dev); explicit runs with forms of the catalogue work without"
+        )
+    return ""
 
 
 def _check(form: ufl.Form) -> None:

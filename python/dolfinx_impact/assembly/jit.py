@@ -27,6 +27,7 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common import arguments
 from ..common.collective import guard
+from ..common.messages import progress_is_shown
 from ..common.private_folder import check_file, check_private, make_private
 from ..common.types import FloatArray
 from ..forms.compiler import emit, frontend
@@ -287,7 +288,7 @@ def _library(key: str, integrals: Callable[[], list[frontend.Integral]]) -> tupl
     found = integrals()
     text, names = emit.source(found, f"impact_{key}")
     seconds = sum(emit.compile_seconds(i, text) for i in found) / len(found)
-    if seconds > SILENT:
+    if seconds > SILENT and progress_is_shown():
         print(f"compiling {_in_words(found)}, about {seconds:.0f} seconds", file=sys.stderr, flush=True)
     try:
         work = Path(tempfile.mkdtemp(prefix="build-", dir=folder))

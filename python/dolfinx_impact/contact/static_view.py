@@ -1,17 +1,13 @@
 # SPDX-License-Identifier: MIT
 """What static contacts in C++ have in common, as Python sees it."""
 
-import logging
-
 import numpy as np
 from petsc4py import PETSc
 
 from .. import _cpp
+from ..common.messages import INITIAL_PENETRATION
 from ..common.types import FloatArray, IntArray
 from .output import ContactOutput
-
-
-INITIAL_PENETRATION = logging.getLogger("dolfinx_impact.initial_penetration")
 
 
 class StaticContactView(ContactOutput):

@@ -20,7 +20,7 @@ from ..common.types import FloatArray
 from .current_state import CurrentState
 from .functions_of_time import FunctionsOfTime
 from .inputs import Inputs
-from .progress import ProgressBar
+from .progress import StepProgress
 from .recorder import Recorder
 from .step_schedule import StepSchedule
 
@@ -67,7 +67,7 @@ class TimeStepper:
         self._callback: Callable[[], object] | None = None
         self._interrupts: Interrupts | None = None
         self._progress, self._bar = False, contextlib.ExitStack()
-        self._shown: ProgressBar | None = None
+        self._shown: StepProgress | None = None
 
     # --- the state of the steps ------------------------------------------------------------------------------------
 
@@ -246,7 +246,7 @@ class TimeStepper:
         Args:
             schedule: the steps.
         """
-        self._shown = self._bar.enter_context(ProgressBar(self.comm, schedule, self._progress))
+        self._shown = self._bar.enter_context(StepProgress(self.comm, schedule, self._progress))
 
     def room(self) -> int:
         """Number of steps until a recorder or the callback is due."""
@@ -291,7 +291,7 @@ class TimeStepper:
     def _show(self) -> None:
         last, schedule = self.history.last, self.schedule
         if last is not None and self._shown is not None and schedule is not None:
-            self._shown.show(self._cpp_object.step, self._cpp_object.time, schedule.dt, self.history.drift(last))
+            self._shown.show_step(self._cpp_object.step, self._cpp_object.time, schedule.dt, self.history.drift(last))
 
     def warn(self, text: str) -> None:
         """Warn of what the run has found.

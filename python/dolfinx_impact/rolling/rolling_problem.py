@@ -21,6 +21,7 @@ from ..assembly.material_history import HistoryField, MaterialHistory
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
+from ..common.progress_bar import ProgressBar
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
 from ..added_mass import added_masses
@@ -35,7 +36,6 @@ from .rolling_contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .power_balance import PowerBalance
-from .progress import progress_bar
 from .sweep import Fingerprint
 from .sweep_state import SweepState
 from .transport import Transport
@@ -521,13 +521,13 @@ class RollingProblem(Unique):
                 raise ValueError("omegas is empty: give at least one angular velocity")
             ranks.same(omegas=values)
         rows = []
-        with progress_bar(comm, progress, len(values)) as show:
+        with ProgressBar(comm, progress, len(values), counted=True) as bar:
             for k, omega in enumerate(values):
-                show(k, f"omega {omega:.4g}")
+                bar.show(k, lambda: f"omega {omega:.4g}")
                 spin.omega = float(omega)
                 self.solve(**options)
                 rows.append(self.frequencies(n))
-            show(len(values), "")
+            bar.show(len(values), str)
         return {"omega": values, "frequencies": np.array(rows)}
 
     def critical_factor(self) -> float:

@@ -14,9 +14,9 @@ from mpi4py import MPI
 from .. import _cpp
 from ..common.types import FilePath, FloatArray
 from ..common.collective import agree, attempt
+from ..common.progress_bar import ProgressBar
 from ..io import hdf5
 from ..io.given_arguments import SUMS, Table
-from .progress import progress_bar
 
 if TYPE_CHECKING:
     from .sweep_state import SweepState
@@ -216,10 +216,10 @@ def run(
         if last is not None:
             begin_from(rows[-1], last)
     total = len(points["creep"])
-    with progress_bar(comm, progress, total) as show:
+    with ProgressBar(comm, progress, total, counted=True) as bar:
         for k in range(len(rows), total):
             here = tuple(float(points[name][k]) for name in INPUTS)
-            show(k, f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}")
+            bar.show(k, lambda: f"creep {here[0]:.3g}, lateral {here[1]:.3g}, spin {here[2]:.3g}")
             rows.append({**dict(zip(INPUTS, here)), **solve(*here)})
             if file is not None:
                 now, fault = state.read(), None
@@ -228,5 +228,5 @@ def run(
                 if isinstance(fault, OSError):
                     fault = RuntimeError(f"{file} cannot be written: {fault}")
                 agree(comm, fault, "RollingProblem.sweep")
-        show(total, "")
+        bar.show(total, str)
     return {name: np.array([row[name] for row in rows]) for name in UNITS}

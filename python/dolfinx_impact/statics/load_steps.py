@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
@@ -13,12 +12,11 @@ from mpi4py import MPI
 
 from .. import _cpp
 from ..common.interrupts import Interrupts
+from ..common.messages import inform, warn
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
     from .load_step_recorder import LoadStepRecorder
-
-LOG = logging.getLogger("dolfinx_impact")
 
 
 @dataclass
@@ -96,7 +94,7 @@ class StepLog:
 
     def __call__(self, text: str) -> None:
         if self.rank == 0:
-            LOG.info(text)
+            inform(text)
             if self.verbose:
                 print(text, flush=True)
 
@@ -219,7 +217,7 @@ def _begin(problem: LoadedProblem) -> Callable[[float], None]:
 def _report(problem: LoadedProblem, found: _cpp.solve.LoadStepReport, log: StepLog) -> Report:
     """What a solve has found, for users; warns of contacts that were lost."""
     if found.lost and problem.space.mesh.comm.rank == 0:
-        LOG.warning(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
+        warn(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
     report = Report(
         iterations=found.iterations, residual_norms=found.residual_norms, active_set_sizes=found.active_set_sizes,
         contact_changes=found.contact_changes, fractions=found.fractions, cut_backs=found.cut_backs,

@@ -9,16 +9,13 @@ from collections.abc import Callable
 
 from mpi4py import MPI
 
-FIRST = 5.0  # time after which a solve says how far it is [s]
-LATER, LONGEST = 1.3, 60.0  # from one line to the next the time grows by this factor, up to this time [s]
+from ..common.messages import progress_is_shown
+from ..common.progress_lines import ProgressLines
 
 
 class SolveProgress:
     """Writes how far a solve is, in lines on the error output of rank 0: the first after some seconds, later ones less
-    and less often.
-
-    Lines are not rewritten: under mpirun the output of rank 0 is a terminal to the program also where it goes to a
-    file, which a line that is rewritten would fill. A solve of an hour writes some seventy lines.
+    and less often. There are none where the level of DOLFINx's log is ERROR or higher.
 
     Args:
         comm: communicator of the problem.
@@ -27,9 +24,7 @@ class SolveProgress:
     """
 
     def __init__(self, comm: MPI.Comm, wanted: bool, now: Callable[[], float] = time.monotonic) -> None:
-        self._wanted, self._now = wanted and comm.rank == 0, now
-        self._start, self._wait = now(), FIRST
-        self._next = self._start + FIRST
+        self._lines = ProgressLines(now) if wanted and comm.rank == 0 and progress_is_shown() else None
         self._where = ""
 
     def begin(self, increment: int, done: float, fraction: float) -> None:
@@ -49,11 +44,6 @@ class SolveProgress:
         Args:
             text: what is being done.
         """
-        if not self._wanted:
-            return
-        now = self._now()
-        if now < self._next:
-            return
-        print(f"static solve, {now - self._start:.0f} s: {self._where}, {text}", file=sys.stderr, flush=True)
-        self._wait = min(LATER * self._wait, LONGEST)
-        self._next = now + self._wait
+        seconds = self._lines.due() if self._lines else None
+        if seconds is not None:
+            print(f"static solve, {seconds:.0f} s: {self._where}, {text}", file=sys.stderr, flush=True)

@@ -26,6 +26,7 @@ from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
 from dolfinx_impact import compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.contact import ContactPair, Kinematic, Penalty
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
@@ -362,7 +363,7 @@ def run_on_ranks(what: str, ranks: int, n: int) -> dict[str, float]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "out.json"
         own = [sys.executable, "-m", "impact_studies.bench.explicit", what, str(n), str(path)]
-        subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + own, check=True, capture_output=True)
+        subprocess.run([*on_ranks(ranks), *own], check=True, capture_output=True)
         return json.loads(path.read_text())
 
 

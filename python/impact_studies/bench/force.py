@@ -18,6 +18,7 @@ from mpi4py import MPI
 
 from dolfinx_impact import _cpp, materials
 from dolfinx_impact.assembly import operators
+from dolfinx_impact.common.mpi_launcher import on_ranks
 from .rows import PEAK, Job, Row, row
 from .setup import CASES, FAST, FINITE, STRICT, Case, MaterialClass, Setup
 
@@ -114,7 +115,7 @@ def _rank_rate(ranks: int, cell: str, degree: int, n: int) -> float:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "rate.json"
         own = [sys.executable, "-m", "impact_studies.bench.force", cell, str(degree), str(n), str(path)]
-        subprocess.run((["mpirun", "-n", str(ranks)] if ranks > 1 else []) + own, check=True, capture_output=True)
+        subprocess.run([*on_ranks(ranks), *own], check=True, capture_output=True)
         return json.loads(path.read_text())
 
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypedDict
 
+from dolfinx_impact.common.messages import progress_is_shown
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
@@ -103,7 +104,7 @@ def measure(jobs: Sequence[Job], console: Console | None = None) -> list[Row]:
     console = console or Console(soft_wrap=True)
     rows: list[Row] = []
     columns = (BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TextColumn("{task.description}"))
-    with Progress(*columns, console=console, transient=True) as progress:
+    with Progress(*columns, console=console, transient=True, disable=not progress_is_shown()) as progress:
         task = progress.add_task("", total=len(jobs))
 
         def say(text: str, **style: Any) -> None:

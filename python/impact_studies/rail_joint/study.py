@@ -19,6 +19,8 @@ import numpy as np
 from mpi4py import MPI
 
 from dolfinx_impact.common.end_with_parent import command_of
+from dolfinx_impact.common.messages import progress_is_shown
+from dolfinx_impact.common.terminal import console
 from dolfinx_impact.io import plots
 from dolfinx_impact.io.run_folder import RunFolder
 from .parameters import END_POSTS, PRESETS, RailJoint, Study
@@ -144,7 +146,6 @@ def run_queue(jobs: Sequence[Job], most: int) -> list[str]:
     Returns:
         Names of cases that failed.
     """
-    from rich.console import Console
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
@@ -157,9 +158,9 @@ def run_queue(jobs: Sequence[Job], most: int) -> list[str]:
     waiting = [job for job in jobs if job.summary is None]
     running: list[Job] = []
     failed: list[str] = []
-    console = Console()
+    terminal = console()
     columns = (TextColumn("cases"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console) as bar:
+    with Progress(*columns, console=terminal, disable=not progress_is_shown()) as bar:
         task = bar.add_task("", total=len(jobs), completed=len(jobs) - len(waiting))
         try:
             while waiting or running:
@@ -174,9 +175,9 @@ def run_queue(jobs: Sequence[Job], most: int) -> list[str]:
                     took = time.perf_counter() - job.started
                     if found is None:
                         failed.append(job.folder.name)
-                        console.print(f"{job.folder.name}: failed, see {job.folder / 'output.txt'}")
+                        terminal.print(f"{job.folder.name}: failed, see {job.folder / 'output.txt'}")
                     else:
-                        console.print(f"{job.folder.name}: {found['dynamic_factor']:.3f} times the load, {took:.0f} s")
+                        terminal.print(f"{job.folder.name}: {found['dynamic_factor']:.3f} times the load, {took:.0f} s")
                     bar.advance(task)
         finally:
             for job in running:

@@ -4,20 +4,18 @@
 from __future__ import annotations
 
 import time
-from types import TracebackType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from mpi4py import MPI
 
-from .parameters import RailJoint
+from dolfinx_impact.common.progress_bar import ProgressBar
 
-if TYPE_CHECKING:
-    import rich.progress
+from .parameters import RailJoint
 
 PAUSE = 0.2  # between updates [s]
 
 
-class WayBar:
+class WayBar(ProgressBar):
     """Progress bar with the place of the wheel, the step and the remaining time, on rank 0 only.
 
     Use it as a context manager around the steps, and give it to `ExplicitProblem.advance` as callback.
@@ -29,19 +27,11 @@ class WayBar:
     """
 
     def __init__(self, comm: MPI.Intracomm, data: RailJoint, wanted: bool) -> None:
-        self._bar: rich.progress.Progress | None = None
         self._data, self._shown = data, 0.0
-        if wanted and comm.rank == 0:
-            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+        super().__init__(comm, wanted, data.duration, self._text(0.0, 0))
 
-            text = TextColumn("axle at {task.fields[place]:+6.1f} mm  step {task.fields[step]}")
-            self._bar = Progress(text, BarColumn(), TimeRemainingColumn())
-            self._task = self._bar.add_task("", total=data.duration, place=1e3 * data.begin, step=0)
-
-    def __enter__(self) -> WayBar:
-        if self._bar:
-            self._bar.start()
-        return self
+    def _text(self, time: float, step: int) -> str:
+        return f"axle at {1e3 * (self._data.begin + self._data.speed * time):+6.1f} mm  step {step}"
 
     def __call__(self, run: Any) -> None:
         """Update the bar.
@@ -49,13 +39,6 @@ class WayBar:
         Args:
             run: explicit problem.
         """
-        if self._bar and time.perf_counter() - self._shown > PAUSE:
+        if time.perf_counter() - self._shown > PAUSE:
             self._shown = time.perf_counter()
-            place = 1e3 * (self._data.begin + self._data.speed * run.time)
-            self._bar.update(self._task, completed=run.time, place=place, step=run.step)
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        if self._bar:
-            self._bar.stop()
+            self.show(run.time, lambda: self._text(run.time, run.step))

@@ -11,6 +11,7 @@ from typing import Any
 import ufl
 from dolfinx.mesh import Mesh
 
+from dolfinx_impact.common.progress_bar import transient_bar
 from dolfinx_impact.own_forms import distorted_block
 from dolfinx_impact.forms import registry
 from ..model_warnings import model_warnings_off
@@ -107,9 +108,7 @@ def self_check(
         own = name if name is not None else str(getattr(form, "__name__", "form"))
         found, named = {own: source_of(form, own, **options)}, None
     jobs = [(n, s, cell) for n, s in found.items() for cell in _cells(n, s, cells or named)]
-    from rich.progress import Progress
-
-    with Progress(disable=not progress, transient=True) as bar, model_warnings_off():
+    with transient_bar(progress) as bar, model_warnings_off():
         task = bar.add_task("checks", total=len(jobs) * len(checks or CHECKS))
         for n, s, cell in jobs:
             subject = _subject(n, s, cell, report)

@@ -116,3 +116,27 @@ def test_a_young_file_may_be_that_of_plain_dolfinx(tmp_path, run):
     os.utime(left, (old, old))
     out, err = run(grace=60.0).communicate()
     assert out == "0.25\n", err
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("ranks", (1, 2))
+def test_without_a_compiler_one_sentence_says_so(ranks, tmp_path, mpirun):
+    env = {"XDG_CACHE_HOME": str(tmp_path / "cache"), "CC": str(tmp_path / "missing_cc")}
+    caught = """
+try:
+    ffcx_form.ffcx_form(x[0] * ufl.dx)
+except RuntimeError as error:
+    print(f"rank {domain.comm.rank} says: {error}", flush=True)
+"""
+    script = SCRIPT.format(grace=0.0)
+    output = mpirun(ranks, script[: script.index("print(")] + caught, env=env)
+    for rank in range(ranks):
+        assert f"rank {rank} says: no C compiler was found ({tmp_path}/missing_cc): DOLFINx compiles" in output
+
+
+def test_what_forms_need_is_looked_for(tmp_path, monkeypatch):
+    from dolfinx_impact.assembly import ffcx_form
+
+    assert ffcx_form.missing_for_forms() == ""
+    monkeypatch.setattr(ffcx_form.sysconfig, "get_path", lambda name: str(tmp_path))
+    assert ffcx_form.missing_for_forms().startswith(f"Python's headers were not found ({tmp_path}/Python.h)")

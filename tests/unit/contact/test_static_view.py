@@ -10,7 +10,8 @@ from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact.contact.rigid import _Rigid
-from dolfinx_impact.contact.static_view import INITIAL_PENETRATION, StaticContactView
+from dolfinx_impact.common.messages import INITIAL_PENETRATION
+from dolfinx_impact.contact.static_view import StaticContactView
 
 
 class Recorded:

@@ -18,6 +18,7 @@ def test_the_place_of_the_wheel_is_shown(wanted, monkeypatch):
     out = io.StringIO()
     monkeypatch.setattr(sys, "stdout", out)
     monkeypatch.setattr("impact_studies.rail_joint.way_bar.PAUSE", 0.0)
+    monkeypatch.setattr("dolfinx_impact.common.progress_lines.FIRST", 0.0)
     joint = RailJoint()
     with WayBar(MPI.COMM_SELF, joint, wanted) as bar:
         bar(SimpleNamespace(time=-joint.begin / joint.speed, step=321))  # the axle is over the joint

@@ -277,8 +277,8 @@ def test_long_solves_say_how_far_they_are(capsys):
 
 @pytest.mark.parametrize("wanted", (True, False))
 def test_solve_writes_its_progress(wanted, monkeypatch, capsys):
-    monkeypatch.setattr("dolfinx_impact.statics.progress.FIRST", 0.0)
-    monkeypatch.setattr("dolfinx_impact.statics.progress.LATER", 0.0)
+    monkeypatch.setattr("dolfinx_impact.common.progress_lines.FIRST", 0.0)
+    monkeypatch.setattr("dolfinx_impact.common.progress_lines.LATER", 0.0)
     Blocks(di.Lagrange).problem.solve(steps=2, progress=wanted)
     text = capsys.readouterr().err
     assert ("50% of the way, increment 2 to 100%, iteration 1: residual" in text) == wanted

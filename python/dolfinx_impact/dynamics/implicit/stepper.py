@@ -23,7 +23,7 @@ from ...common.types import FloatArray
 from ...materials import MaterialMap, _Material
 from ...statics.load_steps import StepLog
 from ..advance_calls import AdvanceCalls, check_not_written
-from ..progress import ProgressBar
+from ..progress import StepProgress
 from ..read_once import ReadOnce
 from ..step_schedule import StepSchedule
 
@@ -157,7 +157,7 @@ class ImplicitStepper(Described):
         with (
             self.calls.running(),
             Interrupts(self.comm) as interrupts,
-            ProgressBar(self.comm, schedule, progress) as bar,
+            StepProgress(self.comm, schedule, progress) as bar,
         ):
 
             def iteration(i: int, norm: float, scale: float, size: int, changes: int) -> None:
@@ -183,7 +183,7 @@ class ImplicitStepper(Described):
                 error = self._called(callback) if callback else None
                 # Where a filter makes an error of the warning, it is that of one rank.
                 error = error or attempt(self._warn_of_late_values, callback is not None)[1]
-                bar.show(self._cpp_object.step, self._cpp_object.time, self._cpp_object.time - self._before, drift)
+                bar.show_step(self._cpp_object.step, self._cpp_object.time, self._cpp_object.time - self._before, drift)
                 interrupts.check(error)
 
             try:
