@@ -170,23 +170,25 @@ COUNTED = """
 mkdir -p "${!#}/var/lib/dpkg" "${!#}/var/cache/apt/archives"
 cd "${!#}"
 echo "I: downloading packages with apt..."
-touch var/cache/apt/archives/{1..396}.deb; sleep 3
+touch var/cache/apt/archives/{1..HALF}.deb; sleep 3
 echo "I: installing remaining packages inside the chroot..."
-for i in {1..794}; do
-  if [ $i -le 396 ]; then echo "Status: install ok installed"; else echo "Status: install ok unpacked"; fi
+for i in {1..ALL}; do
+  if [ $i -le HALF ]; then echo "Status: install ok installed"; else echo "Status: install ok unpacked"; fi
 done >var/lib/dpkg/status
 sleep 3"""
 
 
 def test_a_root_in_the_making_reports_its_progress(sandbox):
-    """Downloaded, unpacked, set up: a third each. Of 794 packages first half are downloaded; then half are set up."""
-    sandbox.stub("mmdebstrap", COUNTED)
+    """Downloaded, unpacked, set up: a third each. First half of the packages are downloaded; then half are set up."""
+    packages = int(re.search(r"^root_packages=(\d+)", (sandbox.checkout / "env" / "run").read_text(), re.M)[1])
+    half = packages // 2
+    sandbox.stub("mmdebstrap", COUNTED.replace("ALL", str(packages)).replace("HALF", str(half)))
     answer = sandbox.run("true", IMPACT_PROGRESS_SECONDS=1)
     assert answer.returncode == 0, answer.stderr_text
     lines = [line for line in answer.stderr_text.splitlines() if " % " in line]
     for report in (
-        r"env/run: root: 16 % \(0 of about 794 packages, downloading packages with apt\.\.\.\), \d+ s",
-        r"env/run: root: 83 % \(396 of about 794 packages, installing remaining packages inside the chroot.*\), \d+ s",
+        rf"env/run: root: 16 % \(0 of about {packages} packages, downloading packages with apt\.\.\.\), \d+ s",
+        rf"env/run: root: 83 % \({half} of about {packages} packages, installing remaining packages inside .*\), \d+ s",
     ):
         assert any(re.fullmatch(report, line) for line in lines), lines
     assert len(lines) <= 8
