@@ -14,7 +14,8 @@ import yaml
 CFF_REQUIRED = {"authors", "cff-version", "message", "title"}
 CFF_KEYS = CFF_REQUIRED | {
     "abstract", "commit", "contact", "date-released", "doi", "identifiers", "keywords", "license", "license-url",
-    "preferred-citation", "references", "repository", "repository-artifact", "repository-code", "type", "url", "version",
+    "preferred-citation", "references", "repository", "repository-artifact", "repository-code", "type", "url",
+    "version",
 }  # fmt: skip
 CFF_ENTITY = {
     "address", "alias", "city", "country", "date-end", "date-start", "email", "fax", "location", "name", "orcid",
