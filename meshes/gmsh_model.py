@@ -158,7 +158,7 @@ def check_cells(dim):
 
 
 def cell_nodes_first(dim):
-    """Number the nodes of the cells before those of no cell (centres of arcs): DOLFINx 0.9 aborts otherwise."""
+    """Number the nodes of the cells before those of no cell (centres of arcs): DOLFINx aborts otherwise."""
     nodes = gmsh.model.mesh.getNodes()[0]
     used = np.unique(np.concatenate(gmsh.model.mesh.getElements(dim)[2]))
     gmsh.model.mesh.renumberNodes(np.concatenate([used, np.setdiff1d(nodes, used)]), np.arange(1, len(nodes) + 1))
@@ -166,17 +166,16 @@ def cell_nodes_first(dim):
 
 def match_diagonals(surfaces):
     """Turn the diagonals of transfinite surfaces whose triangles are not faces of the structured tetrahedra."""
-    tets = np.sort(gmsh.model.mesh.getElementsByType(4)[1].reshape(-1, 4), axis=1)
-    faces = {tuple(face) for skip in range(4) for face in np.delete(tets, skip, axis=1)}
-    wrong = []
-    for tag in surfaces:
-        triangles = np.sort(gmsh.model.mesh.getElementsByType(2, tag)[1].reshape(-1, 3), axis=1)
-        if any(tuple(triangle) not in faces for triangle in triangles):
-            wrong.append(tag)
-    if wrong:
+    for arrangement in ("Right", "Left"):  # which one turns a diagonal is not the same in all versions of gmsh
+        tets = np.sort(gmsh.model.mesh.getElementsByType(4)[1].reshape(-1, 4), axis=1)
+        faces = {tuple(face) for skip in range(4) for face in np.delete(tets, skip, axis=1)}
+        triangles = {tag: np.sort(gmsh.model.mesh.getElementsByType(2, tag)[1].reshape(-1, 3)) for tag in surfaces}
+        wrong = [tag for tag, rows in triangles.items() if any(tuple(row) not in faces for row in rows)]
+        if not wrong:
+            return
         gmsh.model.mesh.clear()
         for tag in wrong:
-            gmsh.model.mesh.setTransfiniteSurface(tag, "Right")
+            gmsh.model.mesh.setTransfiniteSurface(tag, arrangement)
         gmsh.model.mesh.generate(3)
 
 
