@@ -58,7 +58,7 @@ def project_files(root):
 
 
 # What a checkout has at its top: folders, then files. Whatever else lies there was left by a run.
-TOP = {".ci", "cpp", "demos", "docs", "env", "forms", "meshes", "python", "tests"}
+TOP = {".ci", ".github", "conda", "cpp", "demos", "docs", "env", "forms", "meshes", "python", "tests"}
 TOP |= {
     ".clang-format",
     ".clang-tidy",
