@@ -21,7 +21,7 @@ endif
 .DEFAULT_GOAL := help
 # What is measured: the commit, and whether sources differ from it.
 COMMIT = $(shell git rev-parse --short=8 HEAD)$(shell git diff --quiet HEAD -- . ':!docs' || echo ' (changed)')
-.PHONY: help demo test verify matrix bench coverage docs notebooks public-names shell lint format stub clean lint-here formats-here \
+.PHONY: help demo test verify matrix bench coverage docs notebooks sdist public-names shell lint format stub clean lint-here formats-here \
   types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
@@ -52,6 +52,9 @@ docs: ## the documentation site, in build/site; works without a network
 
 notebooks: ## the demos as Jupyter notebooks, run, in build/notebooks (ARGS="hertz two_bars", ARGS=--no-run, FOLDER=name)
 	$(RUN) python3 docs/notebooks.py $(or $(FOLDER),build/notebooks) $(ARGS)
+
+sdist: ## the source distribution, in build/sdist, built and run outside the checkout
+	$(RUN) --no-build env/try_sdist.sh
 
 public-names: ## the list of public names and signatures anew, after a change on purpose (docs/compatibility.md)
 	$(RUN) python3 tests/architecture/public_names.py

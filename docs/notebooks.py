@@ -60,7 +60,9 @@ def run(notebook):
         results = Path(folder, "results")
         results.mkdir()
         os.environ |= {"JUPYTER_PATH": folder, "IMPACT_OUTPUT": str(results), "MPLBACKEND": "Agg"}
-        NotebookClient(notebook, kernel_name="python3", timeout=3600, resources={"metadata": {"path": results}}).execute()
+        NotebookClient(
+            notebook, kernel_name="python3", timeout=3600, resources={"metadata": {"path": results}}
+        ).execute()
 
 
 def write(folder, names=(), outputs=True):

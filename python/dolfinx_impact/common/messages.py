@@ -32,14 +32,13 @@ class DolfinxLogHandler(logging.Handler):
         Args:
             record: the record.
         """
+        if record.levelno < logging.INFO and log.get_log_level().value > log.LogLevel.DEBUG.value:
+            return
+        level = log.LogLevel.INFO  # DOLFINx 0.9 writes no messages of the levels DEBUG and CRITICAL
         if record.levelno >= logging.ERROR:
-            level = log.LogLevel.ERROR  # DOLFINx 0.9 has no CRITICAL
+            level = log.LogLevel.ERROR
         elif record.levelno >= logging.WARNING:
             level = log.LogLevel.WARNING
-        elif record.levelno >= logging.INFO:
-            level = log.LogLevel.INFO
-        else:
-            level = log.LogLevel.DEBUG
         log.log(level, record.getMessage())
 
 

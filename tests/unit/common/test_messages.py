@@ -7,7 +7,7 @@ import pytest
 from dolfinx import log
 from mpi4py import MPI
 
-from dolfinx_impact.common.messages import INITIAL_PENETRATION, inform, progress_is_shown, warn
+from dolfinx_impact.common.messages import INITIAL_PENETRATION, LOG, DolfinxLogHandler, inform, progress_is_shown, warn
 from dolfinx_impact.statics.load_steps import StepLog
 
 
@@ -50,3 +50,19 @@ def test_records_of_pythons_logger(level, caplog):
         warn("lost contact")
     found = [(r.levelname, r.getMessage()) for r in caplog.records]
     assert found == [("INFO", "did this"), ("WARNING", "lost contact")]
+
+
+def test_records_reach_the_log_once():
+    """Importing the module once more adds no second handler."""
+    assert [type(handler) for handler in LOG.handlers].count(DolfinxLogHandler) == 1
+
+
+@pytest.mark.parametrize("number, word", ((10, "info"), (20, "info"), (30, "warning"), (40, "error"), (50, "error")))
+def test_levels_of_records(number, word, level, capfd):
+    level("DEBUG")
+    record = logging.LogRecord("name", number, "file", 1, "what %s", ("happened",), None)
+    DolfinxLogHandler().emit(record)
+    assert f"[{word}] what happened" in "".join(capfd.readouterr())
+    level("INFO")
+    DolfinxLogHandler().emit(record)
+    assert ("what happened" in "".join(capfd.readouterr())) == (number >= logging.INFO)

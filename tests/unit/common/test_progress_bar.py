@@ -89,6 +89,17 @@ def test_the_level_of_the_log_is_obeyed(name, shown, level, monkeypatch, capsys)
     assert transient_bar(True).disable == (not shown)
 
 
+def test_lines_become_rare():
+    """The first after five seconds, each later by 1.3 times the last pause, at most a minute."""
+    time = 0.0
+    lines, due = progress_lines.ProgressLines(lambda: time), []
+    for half_second in range(2000):
+        time = 0.5 * half_second
+        if (seconds := lines.due()) is not None:
+            due.append(seconds)
+    assert due[:4] == [5.0, 11.5, 20.0, 31.0] and due[-1] - due[-2] == 60.0
+
+
 def test_texts_are_made_only_where_they_are_shown():
     def unwanted():
         raise AssertionError("a text is made for nothing")
