@@ -58,13 +58,16 @@ export PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe OMP_NUM_THREADS=1 OP
 # step NAME COMMAND...: COMMAND in a subshell, once; NAME.log has what it printed.
 steps=8 number=0
 step() {
-  local name=$1 log=$build/$1.log start=$SECONDS status=0; shift
+  local name=$1 log=$build/$1.log start=$SECONDS status; shift
   number=$((number + 1))
   if [ -e "$build/$name.done" ]; then say "[$number/$steps] $name: done before"; return; fi
   say "[$number/$steps] $name"
   : >"$log"
   begin_progress install_state "$log"
-  (set -e; "$@") </dev/null >"$log" 2>&1 7>&- || status=$?
+  set +e # in "... || status=$?" the commands of a step would go on after one that failed
+  (set -e; "$@") </dev/null >"$log" 2>&1 7>&-
+  status=$?
+  set -e
   end_progress
   if [ $status != 0 ]; then
     tail -n 40 "$log" >&2
@@ -132,8 +135,11 @@ dolfinx_library() {
 }
 
 dolfinx_python() {
-  pip_install --config-settings=build-dir="$build/dolfinx_python" --config-settings=cmake.define.CMAKE_UNITY_BUILD=ON \
-    --config-settings=cmake.define.CMAKE_UNITY_BUILD_BATCH_SIZE=3 "$build/sources/dolfinx/python"
+  # Not for the files of nanobind, which is compiled there, too.
+  echo 'cmake_language(DEFER CALL set_target_properties cpp PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 3)' \
+    >"$build/unity.cmake"
+  pip_install --config-settings=build-dir="$build/dolfinx_python" \
+    --config-settings=cmake.define.CMAKE_PROJECT_INCLUDE="$build/unity.cmake" "$build/sources/dolfinx/python"
   # Debian's library of PETSc has another name.
   sed -i 's/"libpetsc\.dylib"/"libpetsc_real.so"/' "$prefix"/lib/python3.*/site-packages/dolfinx/fem/petsc.py
 }

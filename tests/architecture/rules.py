@@ -326,7 +326,8 @@ _PAGE_SPELLING = re.compile(
 # The last one of a C++ file is a view in 0.9 and a copy in later releases.
 _CPP_SPELLINGS = re.compile(
     r"dolfinx::MPI::mpi_(?:type|t)\b|\bmutable_array\(|(?:\.|->)cmaps?\(\)|geometry(?:\(\))?\.dofmaps?\(|"
-    r"(?:\.|->)value_shape\(\)|(?:\.|->)collapse\(\)|sparsitybuild|(?:\.|->)set\(0|(?:\.|->)array\(\)\.(?:first|last|subspan)|"
+    r"(?:\.|->)value_shape\(\)|(?:\.|->)collapse\(\)|sparsitybuild|(?:\.|->)set\(0|"
+    r"(?:\.|->)array\(\)\.(?:first|last|subspan)|"
     r"fem::create_functionspace\(|DOLFINX_VERSION|caster_(?:mpi|petsc)\.h|auto&?&? \w+ = [^;\n]*(?:\.|->)array\(\);"
 )
 

@@ -22,20 +22,20 @@ std::shared_ptr<dolfinx::mesh::Mesh<double>> square(dolfinx::mesh::CellType cell
       dolfinx::mesh::create_rectangle<double>(MPI_COMM_SELF, {{{0.0, 0.0}, {2.0, 1.0}}}, {2, 3}, cell));
 }
 
-dolfinx::fem::FunctionSpace<double> space(std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh, int degree,
-                                          const std::vector<std::size_t>& shape)
+std::shared_ptr<const dolfinx::fem::FunctionSpace<double>> space(std::shared_ptr<dolfinx::mesh::Mesh<double>> mesh,
+                                                                 int degree, const std::vector<std::size_t>& shape)
 {
   const auto element = basix::create_element<double>(
       basix::element::family::P, dolfinx::mesh::cell_type_to_basix_type(mesh->topology()->cell_type()), degree,
       basix::element::lagrange_variant::gll_warped, basix::element::dpc_variant::unset, false);
-  return api::create_functionspace(mesh, element, shape);
+  return std::make_shared<dolfinx::fem::FunctionSpace<double>>(api::create_functionspace(mesh, element, shape));
 }
 } // namespace
 
 TEST_CASE("arrays of vectors are views, whose values can be set")
 {
   const auto V = space(square(dolfinx::mesh::CellType::triangle), 1, {2});
-  dolfinx::fem::Function<double> u(std::make_shared<dolfinx::fem::FunctionSpace<double>>(V));
+  dolfinx::fem::Function<double> u(V);
   dolfinx::la::Vector<double>& x = *u.x();
   const std::span<double> values = api::array(x);
   api::fill(x, 3.0);
@@ -71,12 +71,12 @@ TEST_CASE("elements and nodes of a mesh's geometry")
 TEST_CASE("shapes of values, and components as spaces of their own")
 {
   const auto mesh = square(dolfinx::mesh::CellType::triangle);
-  CHECK(api::value_shape(space(mesh, 2, {2})) == std::vector<std::size_t>{2});
-  CHECK(api::value_shape(space(mesh, 1, {})).empty());
+  CHECK(api::value_shape(*space(mesh, 2, {2})) == std::vector<std::size_t>{2});
+  CHECK(api::value_shape(*space(mesh, 1, {})).empty());
   const auto V = space(mesh, 1, {2});
   for (int component : {0, 1})
   {
-    const auto [field, dofs] = api::collapse(V.sub({component}));
+    const auto [field, dofs] = api::collapse(V->sub({component}));
     CHECK(api::value_shape(field).empty());
     CHECK(dofs.size() == 12);
     std::vector<int> seen(24, 0);
@@ -91,16 +91,15 @@ TEST_CASE("patterns of cells, conditions and types of numbers")
 {
   const auto mesh = square(dolfinx::mesh::CellType::quadrilateral);
   const auto V = space(mesh, 1, {});
-  const auto& map = *V.dofmap();
+  const auto& map = *V->dofmap();
   dolfinx::la::SparsityPattern pattern(MPI_COMM_SELF, {map.index_map, map.index_map}, {1, 1});
   const std::vector<std::int32_t> cells{0};
   api::insert_cells(pattern, cells, map, map);
   pattern.finalize();
   CHECK(pattern.num_nonzeros() == 16); // four nodes with each other
   const std::vector<std::int32_t> fixed{0, 1};
-  const auto whole = std::make_shared<const dolfinx::fem::FunctionSpace<double>>(V);
   const auto zero = std::make_shared<dolfinx::fem::Constant<double>>(0.0);
-  const std::vector conditions{std::make_shared<const dolfinx::fem::DirichletBC<double>>(zero, fixed, whole)};
+  const std::vector conditions{std::make_shared<const dolfinx::fem::DirichletBC<double>>(zero, fixed, V)};
   CHECK(api::boundary_conditions(conditions).size() == 1);
   int size = 0;
   MPI_Type_size(api::mpi_type<double>(), &size);

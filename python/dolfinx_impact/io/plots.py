@@ -82,7 +82,7 @@ def screen() -> None:
 
 
 def _import_pyplot() -> ModuleType:
-    """matplotlib.pyplot, without a screen unless somebody chose one: a notebook, a caller who imported it, MPLBACKEND."""
+    """matplotlib.pyplot, without a screen unless a notebook, a caller who imported it or MPLBACKEND chose one."""
     if "matplotlib.pyplot" not in sys.modules and "MPLBACKEND" not in os.environ:
         import matplotlib
 
@@ -93,7 +93,7 @@ def _import_pyplot() -> ModuleType:
 
 
 def pyplot() -> ModuleType:
-    """Import matplotlib.pyplot and give all figures from now on the style of this package's, for scripts that draw such.
+    """Import matplotlib.pyplot and give all figures from now on the style of this package's, for scripts.
 
     Returns:
         matplotlib.pyplot.
@@ -105,7 +105,7 @@ def pyplot() -> ModuleType:
 
 @contextmanager
 def styled() -> Iterator[ModuleType]:
-    """Import matplotlib.pyplot, with the style of this package's figures until the block ends: a caller's stays as it is.
+    """Import matplotlib.pyplot, with the style of this package's figures until the block ends; then the caller's.
 
     Yields:
         matplotlib.pyplot.

@@ -87,7 +87,7 @@ def test_another_or_a_newer_prefix_means_another_install(project, tmp_path):
 
 @pytest.mark.parametrize("system", [True, False])
 def test_a_prefix_without_the_system_s_packages_does_not_get_them(project, tmp_path, system):
-    """As one whose MPI is not the system's; with the packages of Debian 13, as env/build_dolfinx.sh makes it, otherwise."""
+    """As one whose MPI is not the system's; otherwise with Debian 13's packages, as env/build_dolfinx.sh makes it."""
     prefix = project.prefix(tmp_path / "dolfinx-0.11")
     (prefix / "pyvenv.cfg").write_text(f"home = /usr/bin\ninclude-system-site-packages = {str(system).lower()}\n")
     text = (prefix / "bin" / "python3").read_text()

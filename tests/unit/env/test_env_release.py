@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""make TARGET RELEASE=0.11 takes another DOLFINx, which env/build_dolfinx.sh builds; and what both say when they cannot."""
+"""make TARGET RELEASE=0.11 takes another DOLFINx, which env/build_dolfinx.sh builds; what both say if they cannot."""
 
 import shutil
 import subprocess
@@ -9,7 +9,7 @@ import pytest
 
 @pytest.fixture
 def make(sandbox, checkout):
-    """make(*words, **variables) -> the process: the Makefile of this checkout, with what stands in for other programs."""
+    """make(*words, **variables) -> the process: the Makefile of this checkout, with stand-ins for other programs."""
     shutil.copy(checkout / "Makefile", sandbox.checkout)
 
     def run(*words, **variables):
