@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 # env/try_package.sh BUILD WHEELS [DEMO...]: does `pip install` of the wheel in BUILD give a package that works? As an
-# ordinary user, in a fresh virtual environment of this Python with nothing of the caller's environment, without a network:
+# ordinary user, in a fresh virtual environment of this Python with nothing of the caller's environment, without a
+# network:
 #   - pip install dolfinx_impact, from BUILD and the folder WHEELS (env/fetch_wheel_sources.sh)
 #   - without a compiler: `dolfinx-impact info`, an explicit demo on one and two ranks; a form that is compiled at run
 #     time is refused in one sentence
@@ -33,7 +34,8 @@ done
 venv=$work/venv
 clean() { # PATH COMMAND...: as the user, with nothing of the environment
   local path=$1; shift
-  (cd "$work/home" && exec timeout 1800 "${user[@]}" env -i PATH="$path" HOME="$work/home" LC_ALL=C.UTF-8 TMPDIR="$work/home" "$@")
+  (cd "$work/home" &&
+    exec timeout 1800 "${user[@]}" env -i PATH="$path" HOME="$work/home" LC_ALL=C.UTF-8 TMPDIR="$work/home" "$@")
 }
 bare=$venv/bin:$work/tools full=$venv/bin:/usr/bin:/bin
 failed=0
@@ -74,7 +76,8 @@ fact "without a compiler: info" clean "$bare" dolfinx-impact info
 for ranks in ${RANKS:-1 2}; do
   fact "without a compiler: bar_on_wall, ranks: $ranks" clean "$bare" dolfinx-impact demo bar_on_wall --ranks "$ranks"
 done
-fact "without a compiler: a form of DOLFINx is refused in one sentence" refused "no C compiler was found" python -c "$form"
+fact "without a compiler: a form of DOLFINx is refused in one sentence" refused "no C compiler was found" \
+  python -c "$form"
 fact "without a compiler: a kernel that is made at run time, too" refused "no C++ compiler was found" \
   dolfinx-impact demo hertz --output "$work/home/refused"
 for demo in "$@"; do
