@@ -21,8 +21,8 @@ endif
 .DEFAULT_GOAL := help
 # What is measured: the commit, and whether sources differ from it.
 COMMIT = $(shell git rev-parse --short=8 HEAD)$(shell git diff --quiet HEAD -- . ':!docs' || echo ' (changed)')
-.PHONY: help demo test verify matrix bench coverage docs notebooks sdist public-names shell lint format stub clean lint-here formats-here \
-  types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
+.PHONY: help demo test verify matrix bench coverage docs notebooks sdist public-names shell lint format stub \
+  clean lint-here formats-here types-here tree-here test-here tests-1 tests-2 tests-chosen slow-here docs-here
 
 help: ## this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' Makefile
@@ -50,7 +50,7 @@ bench: ## the benchmarks; writes results/bench.json and appends the ratios to do
 docs: ## the documentation site, in build/site; works without a network
 	$(RUN) make docs-here
 
-notebooks: ## the demos as Jupyter notebooks, run, in build/notebooks (ARGS="hertz two_bars", ARGS=--no-run, FOLDER=name)
+notebooks: ## the demos as Jupyter notebooks, run, in build/notebooks (ARGS="hertz", ARGS=--no-run, FOLDER=name)
 	$(RUN) python3 docs/notebooks.py $(or $(FOLDER),build/notebooks) $(ARGS)
 
 sdist: ## the source distribution, in build/sdist, built and run outside the checkout

@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# env/build_wheel.sh SOURCES BUILD: a wheel of this package for DOLFINx 0.11 from the package index (dolfinx-solver-real),
-# in BUILD: one file for Python 3.12 and newer, on x86-64 with glibc and libstdc++ as new as here (Debian 13, Ubuntu 24.04).
-# It is built from a copy of the sources, whose dependencies are those of the wheel (env/wheel_metadata.py), and checked:
-# stable interface, no folder of this machine in a search path, no second DOLFINx among the dependencies. SOURCES: see
-# env/fetch_wheel_sources.sh. `env/run --no-build env/build_wheel.sh ...` brings Debian 13's compiler.
+# env/build_wheel.sh SOURCES BUILD: a wheel of this package for DOLFINx 0.11 from the package index
+# (dolfinx-solver-real), in BUILD: one file for Python 3.12 and newer, on x86-64 with glibc and libstdc++ as new as here
+# (Debian 13, Ubuntu 24.04). It is built from a copy of the sources, whose dependencies are those of the wheel
+# (env/wheel_metadata.py), and checked: stable interface, no folder of this machine in a search path, no second DOLFINx
+# among the dependencies. SOURCES: see env/fetch_wheel_sources.sh. `env/run --no-build env/build_wheel.sh ...` brings
+# Debian 13's compiler.
 set -euo pipefail
 
 checkout=$(CDPATH='' cd -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")/.." && pwd -P)
@@ -24,13 +25,15 @@ python3 "$checkout/env/wheel_metadata.py" "$copy/pyproject.toml"
 echo "build_wheel: compiling (log: $build/wheel.log)"
 rm -f "$build"/dolfinx_impact-*.whl
 # site-packages/../.. is the environment's lib, where the MPI of the index is.
-PATH=$venv/bin:$PATH CMAKE_PREFIX_PATH=$build/prefix "$venv/bin/pip" --disable-pip-version-check wheel --verbose --no-deps \
-  --no-build-isolation --no-index -w "$build" --config-settings=wheel.py-api=cp312 --config-settings=build-dir="$build/release" \
+PATH=$venv/bin:$PATH CMAKE_PREFIX_PATH=$build/prefix "$venv/bin/pip" --disable-pip-version-check wheel --verbose \
+  --no-deps --no-build-isolation --no-index -w "$build" \
+  --config-settings=wheel.py-api=cp312 --config-settings=build-dir="$build/release" \
   "--config-settings=cmake.define.IMPACT_WHEEL_LIBRARIES=dolfinx_solver/lib;basix/lib;dolfinx_solver_real.libs;../.." \
   "$copy" >"$build/wheel.log" 2>&1 || { tail -n 40 "$build/wheel.log" >&2; exit 1; }
 
 wheel=$(ls "$build"/dolfinx_impact-*.whl)
-case $wheel in *-cp312-abi3-*) ;; *) echo "build_wheel: $wheel is not for the stable interface of Python 3.12" >&2; exit 1 ;; esac
+[[ $wheel == *-cp312-abi3-* ]] ||
+  { echo "build_wheel: $wheel is not for the stable interface of Python 3.12" >&2; exit 1; }
 python3 - "$wheel" "$build" <<'PYTHON'
 import re, subprocess, sys, tempfile, zipfile
 from pathlib import Path

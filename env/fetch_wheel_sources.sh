@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# env/fetch_wheel_sources.sh SOURCES [DOLFINX SPDLOG]: fill the folder SOURCES with what env/build_wheel.sh needs, by pip
-# from the package index: the wheel dolfinx-solver-real with all that it and this package need, for this Python, in
+# env/fetch_wheel_sources.sh SOURCES [DOLFINX SPDLOG]: fill the folder SOURCES with what env/build_wheel.sh needs, by
+# pip from the package index: the wheel dolfinx-solver-real with all that it and this package need, for this Python, in
 # SOURCES/wheels; PETSc's and SLEPc's sources, for their headers. The headers of DOLFINx 0.11.0.post0 and spdlog 1.10.0
-# are in no package of the index: DOLFINX and SPDLOG are checkouts of those tags; without these arguments SOURCES/dolfinx
-# and SOURCES/spdlog have to be there. What is there already is not fetched again.
+# are in no package of the index: DOLFINX and SPDLOG are checkouts of those tags; without these arguments
+# SOURCES/dolfinx and SOURCES/spdlog have to be there. What is there already is not fetched again.
 set -euo pipefail
 
 [ $# = 1 ] || [ $# = 3 ] || { sed -n '3,/^set/{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 2; }
@@ -21,7 +21,8 @@ pip download --quiet -d "$sources/wheels" --find-links "$sources/wheels" --only-
 for source in petsc-3.25.5 slepc-3.25.1; do
   [ -d "$sources/$source" ] && continue
   [ -e "$sources/sdist/$source.tar.gz" ] ||
-    pip download --quiet -d "$sources/sdist" --no-deps --no-binary :all: --no-build-isolation "${source%-*}==${source#*-}"
+    pip download --quiet -d "$sources/sdist" --no-deps --no-binary :all: --no-build-isolation \
+      "${source%-*}==${source#*-}"
   tar xzf "$sources/sdist/$source.tar.gz" -C "$sources"
 done
 for folder in dolfinx/cpp/dolfinx spdlog/include/spdlog; do

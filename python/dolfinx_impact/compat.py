@@ -7,6 +7,7 @@ that. Its counterpart in C++ is common/dolfinx_api.h.
 
 import importlib.util
 import re
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -22,6 +23,15 @@ TRIED = ("0.9", "0.11")  # releases of DOLFINx that the whole suite was run on
 def installed() -> str:
     """Version of DOLFINx that is installed, as it gives it."""
     return str(getattr(dolfinx, "__version__"))
+
+
+def library_folder() -> Path | None:
+    """Folder of the MPI library that DOLFINx's wheel finds only after `import dolfinx_solver`; None without that wheel.
+
+    A process that has it in LD_LIBRARY_PATH may import DOLFINx first, as scripts do that are written for all releases.
+    """
+    found = importlib.util.find_spec("dolfinx_solver")
+    return Path(found.origin).resolve().parents[3] if found is not None and found.origin else None
 
 
 def versions() -> dict[str, str]:

@@ -87,6 +87,16 @@ def test_a_folder_that_cannot_be_made_gives_status_2(tmp_path, monkeypatch, caps
     assert "results cannot be written to" in capsys.readouterr().err
 
 
+def test_a_demo_finds_the_mpi_of_dolfinx_s_wheel(tmp_path, monkeypatch):
+    """Demos import DOLFINx before this package, and the wheel's DOLFINx does not find MPI by itself then."""
+    monkeypatch.setenv("LD_LIBRARY_PATH", "/before")
+    monkeypatch.setattr(cli.compat.importlib.util, "find_spec", lambda name: None)
+    assert cli._environment(None)["LD_LIBRARY_PATH"] == "/before"
+    origin = tmp_path / "lib" / "python3.13" / "site-packages" / "dolfinx_solver" / "__init__.py"
+    monkeypatch.setattr(cli.compat.importlib.util, "find_spec", lambda name: types.SimpleNamespace(origin=str(origin)))
+    assert cli._environment(None)["LD_LIBRARY_PATH"] == f"{tmp_path}/lib:/before"
+
+
 def test_without_mpirun_it_says_so(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(cli, "mpi_launcher", lambda: None)
     assert cli.main(["demo", "rolling_disc", "--ranks", "2"]) == 2
