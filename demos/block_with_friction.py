@@ -13,8 +13,8 @@
 
 import matplotlib.pyplot as plt
 import numpy as np
-from dolfinx import fem, mesh
 from mpi4py import MPI
+from dolfinx import fem, mesh
 
 import dolfinx_impact as di
 

@@ -11,8 +11,8 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import ufl
-from dolfinx import fem, mesh
 from mpi4py import MPI
+from dolfinx import fem, mesh
 
 import dolfinx_impact as di
 

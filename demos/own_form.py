@@ -12,8 +12,8 @@
 import matplotlib.pyplot as plt
 import numpy as np
 import ufl
-from dolfinx import fem, la, mesh
 from mpi4py import MPI
+from dolfinx import fem, la, mesh
 
 import dolfinx_impact as di
 

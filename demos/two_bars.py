@@ -12,8 +12,8 @@
 import basix.ufl
 import matplotlib.pyplot as plt
 import numpy as np
-from dolfinx import fem, mesh
 from mpi4py import MPI
+from dolfinx import fem, mesh
 
 import dolfinx_impact as di
 

@@ -15,9 +15,9 @@ import time
 
 import numpy as np
 import ufl
+from mpi4py import MPI
 from dolfinx import fem, la, mesh
 from dolfinx.fem import petsc
-from mpi4py import MPI
 from petsc4py import PETSc
 
 import dolfinx_impact as di

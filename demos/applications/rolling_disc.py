@@ -15,8 +15,8 @@ import os
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from mpi4py import MPI
+from dolfinx import fem
 from scipy.special import j1, jvp
 
 import dolfinx_impact as di

@@ -8,8 +8,8 @@
 import os
 
 import numpy as np
-from dolfinx import fem
 from mpi4py import MPI
+from dolfinx import fem
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes, theory

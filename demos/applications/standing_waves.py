@@ -14,8 +14,8 @@ import os
 
 import basix.ufl
 import numpy as np
-from dolfinx import fem, mesh
 from mpi4py import MPI
+from dolfinx import fem, mesh
 
 import dolfinx_impact as di
 from dolfinx_impact.io import plots

@@ -11,8 +11,8 @@ import time
 
 import numpy as np
 import ufl
-from dolfinx import fem
 from mpi4py import MPI
+from dolfinx import fem
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes

@@ -21,9 +21,9 @@ import time
 import impact_reference
 import numpy as np
 import ufl
+from mpi4py import MPI
 from dolfinx import fem
 from dolfinx.mesh import entities_to_geometry
-from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes

@@ -357,6 +357,19 @@ def release_violations(root):
     return complaints
 
 
+def mpi_later(root):
+    """Demos and blocks of pages that import dolfinx before mpi4py's MPI: DOLFINx of a wheel does not find MPI then."""
+    root = pathlib.Path(root).resolve()
+    complaints = []
+    for path in [root / "README.md", *sources(root / "docs", (".md",)), *sources(root / "demos", (".py",))]:
+        text = path.read_text() if path.is_file() else ""
+        for block in re.split(r"^```.*$", text, flags=re.M) if path.suffix == ".md" else [text]:
+            first = re.search(r"^(?:from|import) dolfinx\b", block, re.M)
+            if first and "\nfrom mpi4py import MPI\n" in block[first.start() :]:
+                complaints.append(f"{path.relative_to(root).as_posix()}: dolfinx is imported before mpi4py's MPI")
+    return complaints
+
+
 def _last_name(node):
     """Name of a variable, or last part of a dotted one."""
     return getattr(node, "attr", getattr(node, "id", None))

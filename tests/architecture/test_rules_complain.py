@@ -306,6 +306,19 @@ def test_releases_complain(tree, name, text):
     assert complaint.startswith(f"{name}:") and "is not the same in all releases" in complaint
 
 
+MPI_FIRST = "import numpy\nfrom mpi4py import MPI\nfrom dolfinx import fem\n\nimport dolfinx_impact as di\n"
+MPI_LATER = "import numpy\nfrom dolfinx import fem\nfrom mpi4py import MPI\n"
+
+
+@pytest.mark.parametrize(
+    "name, block", [("demos/a/b.py", "{}"), ("docs/a/b.md", "x\n```python\n{}```\n"), ("README.md", "```\n{}```\n")]
+)
+def test_mpi_later_complains(tree, name, block):
+    assert rules.mpi_later(tree({name: block.format(MPI_FIRST) + block.format("from dolfinx import mesh\n")})) == []
+    (complaint,) = rules.mpi_later(tree({name: block.format(MPI_LATER)}))
+    assert complaint.startswith(f"{name}: dolfinx is imported")
+
+
 @pytest.mark.parametrize("flag", ["-f" + "fast-math", "-O" + "fast"])
 @pytest.mark.parametrize("name", ["cpp/CMakeLists.txt", "pyproject.toml", "Makefile", "forms/compiler/driver.py"])
 def test_unsafe_flags_complain(tree, name, flag):

@@ -44,6 +44,10 @@ def test_releases_of_dolfinx_differ_in_the_layers_alone(checkout):
     assert rules.release_violations(checkout) == []
 
 
+def test_mpi_is_imported_first(checkout):
+    assert rules.mpi_later(checkout) == []
+
+
 def test_the_hand_written_solver_shares_nothing(checkout):
     assert rules.reference_violations(checkout) == []
 

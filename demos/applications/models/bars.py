@@ -4,8 +4,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from dolfinx import fem
 from mpi4py import MPI
+from dolfinx import fem
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes

@@ -3,9 +3,9 @@
 
 import numpy as np
 import ufl
+from mpi4py import MPI
 from dolfinx import fem
 from dolfinx.mesh import compute_midpoints, meshtags
-from mpi4py import MPI
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
