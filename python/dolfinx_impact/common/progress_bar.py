@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, TypeVar
 
@@ -82,13 +83,23 @@ class ProgressBar:
             self._bar.stop()
 
 
-def transient_bar(wanted: bool, stderr: bool = False) -> rich.progress.Progress:
-    """Bar of rich that is removed when its work ends, and that is not shown in a file.
+@contextmanager
+def transient_bar(wanted: bool, stderr: bool = False) -> Iterator[rich.progress.Progress]:
+    """Bar of rich that is removed when its work ends, and of which a file gets nothing.
 
     Args:
         wanted: whether it is shown at all.
         stderr: show it on standard error, not on standard output.
+
+    Yields:
+        The bar, for tasks; it takes them also where it is not shown.
     """
     from rich.progress import Progress
 
-    return Progress(disable=not (wanted and progress_is_shown()), transient=True, console=console(stderr))
+    where = console(stderr)
+    bar = Progress(disable=not (wanted and progress_is_shown()), transient=True, console=where)
+    if bar.disable or not (where.is_terminal or where.is_jupyter):  # a bar that ends writes an empty line into a file
+        yield bar
+        return
+    with bar:
+        yield bar

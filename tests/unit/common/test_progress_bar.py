@@ -86,7 +86,10 @@ def test_the_level_of_the_log_is_obeyed(name, shown, level, monkeypatch, capsys)
     with ProgressBar(MPI.COMM_SELF, True, 4, counted=True) as bar:
         bar.show(1, lambda: "creep 0.1")
     assert capsys.readouterr().out == ("1 of 4: creep 0.1, 0 s\n" if shown else "")
-    assert transient_bar(True).disable == (not shown)
+    with transient_bar(True) as bar:
+        bar.update(bar.add_task("work", total=2), advance=1)
+        assert bar.disable == (not shown)
+    assert capsys.readouterr().out == "", "a file gets nothing, not even an empty line"
 
 
 def test_lines_become_rare():
