@@ -12,7 +12,6 @@ from pathlib import Path
 
 from ..common.end_with_parent import command_of
 from ..common.progress_bar import transient_bar
-from ..common.terminal import is_terminal
 from ..forms.materials import HYPOTHESES
 from ..forms.registry import CELLS
 from ..io.run_folder import versions
@@ -135,7 +134,7 @@ def write(args: argparse.Namespace) -> list[Path]:
 @contextlib.contextmanager
 def _progress(total: int) -> Iterator[Callable[[OwnLaw, str], None]]:
     """Progress bar on a terminal: function that is called before each part of the work."""
-    with transient_bar(is_terminal(sys.stderr), stderr=True) as bar:
+    with transient_bar(True, stderr=True) as bar:
         task = bar.add_task("kernels", total=total)
 
         def show(law: OwnLaw, kind: str) -> None:

@@ -32,14 +32,14 @@ def test_the_release_is_one_of_those_allowed():
     assert all(compat.release_of(f"{one}.0.post0") for one in compat.TRIED)
 
 
-@pytest.mark.parametrize("version", ("0.8.0", "0.12.0.dev0", "1.0.0", "2019.1.0", "unknown"))
+@pytest.mark.parametrize("version", ("0.8.0", "0.10.0.post5", "0.12.0.dev0", "1.0.0", "2019.1.0", "unknown"))
 def test_other_releases_are_refused_in_one_sentence(version):
     with pytest.raises(ImportError, match=f"DOLFINx {version} is installed") as found:
         compat.release_of(version)
     assert all(one in str(found.value) for one in compat.TRIED) and "\n" not in str(found.value)
 
 
-@pytest.mark.parametrize("version", ("0.8.0", "0.12.0"))
+@pytest.mark.parametrize("version", ("0.8.0", "0.10.0", "0.12.0"))
 def test_importing_the_package_refuses_them(version, tmp_path):
     """A DOLFINx that has nothing but its version: the package must not try to use it."""
     (tmp_path / "dolfinx").mkdir()
