@@ -3,7 +3,10 @@
 
 import ufl
 
-from .materials import weight
+from .materials import stress_components, weight
+from .point_law import PointLaw
+
+STRESS = "stress"
 
 
 def internal_energy(u, law, dx=ufl.dx):
@@ -22,3 +25,10 @@ def tangent(u, du, v, law, dx=ufl.dx):
     """Derivative of the internal virtual work at u in the direction du, seed (3.25), (3.65)."""
     mesh = ufl.domain.extract_unique_domain(v)
     return ufl.inner(law.stress_derivative(u, du), law.gradient(v)) * weight(mesh, law.hypothesis) * dx
+
+
+def internal_force_with_stress(u, v, law, dx=ufl.dx):
+    """Internal virtual work, and a point law with the Cauchy stress as the output "stress" (stress_components)."""
+    stress = law.cauchy_stress(u)
+    components = [stress[i, j] for i, j in stress_components(len(u))]
+    return internal_force(u, v, law, dx), PointLaw(outputs={STRESS: ufl.as_vector(components)})

@@ -46,6 +46,12 @@ def gradient(u, hypothesis):
     return ufl.as_tensor([[g[0, 0], g[0, 1], 0], [g[1, 0], g[1, 1], 0], [0, 0, hoop]])
 
 
+def stress_components(gdim):
+    """Components of the stress that are stored: xx, yy, zz, xy, and in space yz, xz."""
+    plane = ((0, 0), (1, 1), (2, 2), (0, 1))
+    return plane if gdim == 2 else (*plane, (1, 2), (0, 2))
+
+
 def von_mises_square(xx, yy, zz, *shear):
     """Square of von Mises' equivalent stress of the components of a stress: numbers, arrays or UFL [F^2/L^4]."""
     return ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2 + 3 * sum(s**2 for s in shear)

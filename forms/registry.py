@@ -3,15 +3,15 @@
 
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its
 coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that `verify`
-compares with the hand-written solver element by element: those with internal variables, and those that only resist a
-motion, are compared in runs. TABLE lists the rows that are compiled with the package: what the demos and C++ users
+compares with the hand-written solver element by element: those with internal variables or a stress at their points, and
+those that only resist a motion, are compared in runs. TABLE lists the rows that are compiled with the package: what the demos and C++ users
 need. Everything else takes the run-time route.
 """
 
 from dataclasses import dataclass
 
 from . import catalogue, quadrature  # noqa: F401  (importing the catalogue registers its forms)
-from .catalogue import damping, plasticity
+from .catalogue import damping, laws, plasticity
 from .materials import LAWS
 from .registration import (
     AXIAL,
@@ -49,7 +49,7 @@ __all__ = [
     "registered",
 ]
 
-NAMES = tuple(name for name in FORMS if name not in (*plasticity.NAMES, *damping.OF_STEPS))
+NAMES = tuple(name for name in FORMS if name not in (*plasticity.NAMES, *damping.OF_STEPS, *laws.STRESSES))
 LAW_FORMS = tuple(name for name in NAMES if name.split(".")[0] in LAWS)
 
 
@@ -97,24 +97,27 @@ def _table() -> tuple[Row, ...]:
         main = default_hypothesis(cell)
         for degree in DEGREES:
             names = ["linear_elastic.force", "linear_elastic.tangent", "linear_elastic.energy", "neo_hookean.force"]
-            names += ["st_venant_kirchhoff.force", "mass", "row_sum", "body_force", "traction"]
+            names += ["st_venant_kirchhoff.force", "mass", "row_sum", "body_force", "gravity", "traction"]
+            names += ["linear_elastic.stress"]
             if cell not in quadrature.SIMPLICES and degree == 2:
                 names.append("nodal_mass")
             if degree == 1:
-                names += ["neo_hookean.tangent", "neo_hookean.energy", "ale_inertia", "centrifugal_load"]
+                names += ["neo_hookean.tangent", "neo_hookean.energy", "neo_hookean.stress"]
+                names += ["ale_inertia", "centrifugal_load"]
                 names += [
                     f"{law}.{what}" for law in ("linear_elastic", "neo_hookean") for what in ("damping", "viscosity")
                 ]
             rows += [Row(name, cell, degree, 1, main) for name in names]
         if CELLS[cell] == 2:
             for hypothesis in ("plane_stress", "axisymmetric"):
-                rows += [Row(n, cell, 1, 1, hypothesis) for n in ("linear_elastic.force", "linear_elastic.tangent")]
+                names = [f"linear_elastic.{what}" for what in ("force", "tangent", "energy", "stress")]
+                if hypothesis == "axisymmetric":  # in plane stress they are those of plane strain
+                    names += ["body_force", "gravity", "traction", "mass", "row_sum"]
+                rows += [Row(name, cell, 1, 1, hypothesis) for name in names]
     for cell, degree, hypothesis, laws in PLASTIC:
         names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):
             names.append(plasticity.STIFFNESS)
-        if hypothesis == "axisymmetric":
-            names.append("row_sum")  # the mass of explicit steps
         rows += [Row(name, cell, degree, 1, hypothesis) for name in names]
     return tuple(rows)
 

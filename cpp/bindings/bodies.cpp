@@ -21,15 +21,17 @@ void dolfinx_impact::bindings::bodies(nb::module_& m)
       .def(
           "__init__",
           [](AssembledBody* self, Function u, Form residual, std::shared_ptr<KernelTangent> tangent,
-             std::vector<KernelForce> forces, std::vector<Constants> tangent_constants, std::vector<Function> functions,
-             BodyProperties properties)
+             std::vector<KernelForce> forces, std::vector<KernelForce> loads, std::vector<Constants> tangent_constants,
+             std::vector<Function> functions, BodyProperties properties)
           {
-            new (self)
-                AssembledBody(std::move(u), std::move(residual), std::move(tangent), properties,
-                              {std::move(forces), {}, false, std::move(tangent_constants), std::move(functions)});
+            new (self) AssembledBody(std::move(u), std::move(residual), std::move(tangent), properties,
+                                     {.forces = std::move(forces),
+                                      .loads = std::move(loads),
+                                      .tangent_constants = std::move(tangent_constants),
+                                      .functions = std::move(functions)});
           },
-          nb::arg("u"), nb::arg("residual").none(), nb::arg("tangent"), nb::arg("forces"), nb::arg("tangent_constants"),
-          nb::arg("functions"), nb::arg("properties"))
+          nb::arg("u"), nb::arg("residual").none(), nb::arg("tangent"), nb::arg("forces"), nb::arg("loads"),
+          nb::arg("tangent_constants"), nb::arg("functions"), nb::arg("properties"))
       .def("set_energies", &AssembledBody::set_energies, nb::arg("energies"), nb::arg("functions"),
            "What stores energy beside laws with internal variables: all energy is known then");
 }

@@ -61,17 +61,19 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
           "__init__",
           [](ImplicitBody* self, std::shared_ptr<dolfinx_impact::solve::Body> body,
              std::shared_ptr<const Inertia> inertia, Values mass, double alpha, std::shared_ptr<VelocityForce> damping,
-             std::shared_ptr<dolfinx::fem::Form<double>> work,
+             std::shared_ptr<dolfinx::fem::Form<double>> work, std::vector<KernelForce> loads_by_kernels,
              const std::vector<std::pair<std::shared_ptr<dolfinx::fem::Constant<double>>, Values>>& scaled)
           {
-            BodyLoads loads{std::move(work), {}};
+            BodyLoads loads{std::move(work), std::move(loads_by_kernels), {}};
             for (const auto& [constant, start] : scaled)
               loads.scaled.push_back({constant, *from_table(start)});
             new (self) ImplicitBody{std::move(body), std::move(inertia), {mass.data(), mass.data() + mass.size()},
                                     alpha,           std::move(damping), std::move(loads)};
           },
           nb::arg("body"), nb::arg("inertia"), nb::arg("mass"), nb::arg("alpha"), nb::arg("damping").none(),
-          nb::arg("work").none(), nb::arg("scaled"), "scaled: constants of loads, and their amplitudes at the start");
+          nb::arg("work").none(), nb::arg("loads"), nb::arg("scaled"),
+          "work: of loads that are forms; loads: those by kernels; scaled: constants of loads, and their amplitudes at "
+          "the start");
   nb::class_<ImplicitContact>(m, "ImplicitContact", "A contact of implicit steps")
       .def(
           "__init__",

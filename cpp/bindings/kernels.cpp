@@ -9,18 +9,43 @@ using namespace dolfinx_impact::kernels;
 
 namespace
 {
-/// Handle of a kernel on the Python side; descriptors live as long as the process.
+/// Handle of a kernel on the Python side, and where it stands in a form; descriptors live as long as the process.
 struct Kernel
 {
   const impact_kernel* k;
+  std::vector<int> subdomains;   ///< tags that it belongs to; -1: everywhere
+  std::vector<int> coefficients; ///< number of each of its coefficients in the form's list
+  std::vector<int> constants;    ///< number of each of its constants in the form's list
 };
+
+/// A kernel in the form that it was compiled of.
+Kernel wrap(const impact_kernel* k)
+{
+  Kernel out{k, {k->subdomains, k->subdomains + k->num_subdomains}, {}, {}};
+  for (int i = 0; i < k->num_coefficients; ++i)
+    out.coefficients.push_back(k->coefficients[i].position);
+  for (int i = 0; i < k->num_constants; ++i)
+    out.constants.push_back(i);
+  return out;
+}
 
 std::vector<Kernel> wrap(const std::vector<const impact_kernel*>& list)
 {
   std::vector<Kernel> out;
   for (auto* k : list)
-    out.push_back({k});
+    out.push_back(wrap(k));
   return out;
+}
+
+/// A kernel as a part of another form.
+Kernel placed(const Kernel& kernel, std::vector<int> subdomains, std::vector<int> coefficients,
+              std::vector<int> constants)
+{
+  if (coefficients.size() != kernel.coefficients.size() || constants.size() != kernel.constants.size())
+    throw std::invalid_argument(std::string("kernel ") + kernel.k->name + " has " +
+                                std::to_string(kernel.coefficients.size()) + " coefficients and " +
+                                std::to_string(kernel.constants.size()) + " constants: give each its number");
+  return {kernel.k, std::move(subdomains), std::move(coefficients), std::move(constants)};
 }
 
 /// What is known of an element, a coefficient, an output, by name.
@@ -80,8 +105,7 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
                      return out;
                    })
       .def_prop_ro("flops", [](const Kernel& s) { return s.k->flops; })
-      .def_prop_ro("subdomains", [](const Kernel& s)
-                   { return std::vector<int>(s.k->subdomains, s.k->subdomains + s.k->num_subdomains); })
+      .def_ro("subdomains", &Kernel::subdomains)
       .def_prop_ro("arguments",
                    [](const Kernel& s)
                    {
@@ -99,7 +123,7 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
                        Description d = element(s.k->coefficients[i].element);
                        d["name"] = s.k->coefficients[i].name;
                        d["offset"] = s.k->coefficients[i].offset;
-                       d["position"] = s.k->coefficients[i].position;
+                       d["position"] = s.coefficients[i];
                        out.append(d);
                      }
                      return out;
@@ -114,10 +138,14 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
                        d["name"] = s.k->constants[i].name;
                        d["size"] = s.k->constants[i].size;
                        d["offset"] = s.k->constants[i].offset;
+                       d["position"] = s.constants[i];
                        out.append(d);
                      }
                      return out;
                    })
+      .def("placed", &placed, nb::arg("subdomains"), nb::arg("coefficients"), nb::arg("constants"),
+           "The kernel as a part of a form: the tags that it belongs to there, and the number of each of its "
+           "coefficients and constants in the form's lists")
       .def_prop_ro("widths",
                    [](const Kernel& s)
                    {

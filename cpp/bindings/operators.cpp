@@ -8,6 +8,7 @@
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
+#include "dolfinx_impact/operators/nodal_averages.h"
 #include "masks.h"
 #include "petsc_objects.h"
 #include <dolfinx/la/Vector.h>
@@ -183,6 +184,15 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
       .def_prop_ro("flops", &InternalForce::flops);
   bind_tangent(m);
+  m.def(
+      "nodal_averages",
+      [](const FunctionSpace& V, Values points, Values weights, Values values)
+      {
+        return bindings::take(nodal_averages(V, {points.data(), points.size()}, {weights.data(), weights.size()},
+                                             {values.data(), values.size()}));
+      },
+      nb::arg("V"), nb::arg("points"), nb::arg("weights"), nb::arg("values"), nb::rv_policy::move,
+      "Averages at the nodes of values at quadrature points, at owned nodes. Collective");
   m.def(
       "cell_masses_hrz", [](const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
       { return bindings::take(cell_masses_hrz(mass, V, coefficients)); }, nb::arg("mass"), nb::arg("V"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Internal virtual work, tangent and strain energy of every law: "linear_elastic.force" and so on."""
+"""Internal virtual work, tangent, strain energy and Cauchy stress of every law: "linear_elastic.force" and so on."""
 
 from typing import Any
 
@@ -8,6 +8,7 @@ from ..materials import LAWS, Law
 from ..registration import SCALAR, Setting, registered
 
 ELASTIC = {"E": SCALAR, "nu": SCALAR}
+STRESSES = tuple(f"{law}.stress" for law in LAWS)
 
 
 def _register(law: type[Law]) -> None:
@@ -25,6 +26,11 @@ def _register(law: type[Law]) -> None:
     @registered(f"{law.name}.energy", quadrature=rule, constants=ELASTIC, coefficients=("u",))
     def energy(on: Setting, E: Any, nu: Any, u: Any) -> Any:
         return elasticity.internal_energy(u, law(E, nu, on.hypothesis), on.dx)
+
+    # The internal force again, which writes the stress at the points on the way.
+    @registered(f"{law.name}.stress", quadrature=rule, constants=ELASTIC, coefficients=("u",))
+    def stress(on: Setting, E: Any, nu: Any, u: Any) -> Any:
+        return elasticity.internal_force_with_stress(u, on.test, law(E, nu, on.hypothesis), on.dx)
 
 
 for _law in LAWS.values():

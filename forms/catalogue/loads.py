@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Body force, traction and pressure that follows the surface."""
+"""Body force, gravity, traction and pressure that follows the surface."""
 
 from typing import Any
 
@@ -10,6 +10,11 @@ from ..registration import SCALAR, VECTOR, Setting, registered
 @registered("body_force", quadrature=quadrature.mass_degree, constants={"f": VECTOR})
 def body_force(on: Setting, f: Any) -> Any:
     return loads.body_force(f, on.test, on.hypothesis, on.dx)
+
+
+@registered("gravity", quadrature=quadrature.mass_degree, constants={"density": SCALAR, "g": VECTOR})
+def gravity(on: Setting, density: Any, g: Any) -> Any:
+    return loads.body_force(density * g, on.test, on.hypothesis, on.dx)
 
 
 @registered("traction", quadrature=quadrature.facet_degree, constants={"t": VECTOR})

@@ -22,6 +22,7 @@ from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
 from .geometry import check_sizes, with_sizes
 from .integrands import integrands
+from .standard_mesh import StandardMesh
 from .stress_form import by_test_gradient
 
 # Tables are compared and rounded at round-off level (FFCx's defaults, 1e-6, would round shape functions as well).
@@ -285,8 +286,11 @@ def _renumbered(constants):
 
 
 def form_signature(form, law=None):
-    """Signature of a form and its laws, independent of object numbers. Names do not count but those of outputs."""
+    """Signature of a form and its laws, independent of object numbers, and of where nodes are said to be placed where
+    they are the same (standard_mesh.py). Names do not count but those of outputs."""
     renumbered, new = canonical(form, law)
+    standard = StandardMesh(renumbered.ufl_domains())
+    renumbered = standard.form(renumbered)
     if law is None:
         return renumbered.signature()
     coefficients, _ = objects_of(form, law)
@@ -294,13 +298,14 @@ def form_signature(form, law=None):
         raise ValueError("a coefficient of the point law is on another mesh than the form")
     unknowns = [one.unknown for one in laws_of(law).values() if one.unknown is not None]
     numbers = {c: i for i, c in enumerate([*coefficients, *unknowns])}
-    numbering = numbers | {c: i for i, c in enumerate(new.values())} | {form.ufl_domain(): 0}
+    numbering = {standard(c): i for c, i in numbers.items()} | {standard(c): i for i, c in enumerate(new.values())}
+    numbering[renumbered.ufl_domain()] = 0
     text = [renumbered.signature(), repr([numbers[c] for c in form.coefficients()])]
     for tag, one in sorted(laws_of(law).items(), key=lambda item: str(item[0])):
         text.append(f"{tag} {list(one.outputs)} {[(name, numbers[c]) for name, c in one.history.items()]}")
         text.append(repr(None if one.unknown is None else numbers[one.unknown]))
         for expression in one.expressions():
-            plain = map_expr_dag(_Renumber(new), expression)
+            plain = map_expr_dag(standard, map_expr_dag(_Renumber(new), expression))
             text.append(ufl.algorithms.signature.compute_expression_signature(plain, numbering))
     return hashlib.sha512("\n".join(text).encode()).hexdigest()
 

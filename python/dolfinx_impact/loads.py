@@ -197,6 +197,9 @@ class BodyForce(_Load):
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         V = u.function_space
         mesh = V.mesh
+        if self.per_mass:  # before the constant of the load: in this order the kernels of the package have them
+            for _, m in material.parts():
+                m.density_constant(mesh)
         f = self._vector("body force", mesh)
         self._warn_of_meaning(material, mesh)
         hypothesis = material.hypothesis_on(mesh)

@@ -84,8 +84,8 @@ def pack(
         # A modulus may be a function that is constant in each cell.
         w[c["offset"] : c["offset"] + c["num_dofs"]] = np.ravel(fields[name] if name in fields else values[name])
     c = np.zeros(sum(k["size"] for k in kernel.constants))
-    for k, constant in zip(kernel.constants, compiled.constants):
-        c[k["offset"] : k["offset"] + k["size"]] = np.ravel(values[names[constant]])
+    for k in kernel.constants:
+        c[k["offset"] : k["offset"] + k["size"]] = np.ravel(values[names[compiled.constants[k["position"]]]])
     return w, c
 
 

@@ -43,6 +43,8 @@ public:
       batches.read(name, values);
   }
 
+  /// Space of the result; null for a form of rank 0.
+  const std::shared_ptr<const FunctionSpace>& test_space() const { return _test; }
   /// Degrees of freedom of the test space that this rank's cells contribute to, in increasing order.
   std::vector<std::int32_t> reached_dofs() const;
   /// Has any integral a coefficient of this name?

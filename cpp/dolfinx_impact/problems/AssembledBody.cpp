@@ -2,6 +2,7 @@
 #include "AssembledBody.h"
 #include "../common/dolfinx_api.h"
 #include "../operators/petsc_check.h"
+#include <algorithm>
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/la/petsc.h>
 #include <functional>
@@ -9,25 +10,6 @@
 
 namespace dolfinx_impact::problems
 {
-namespace
-{
-/// Give an operator the present values of its constants.
-template <typename Operator>
-void set_constants(Operator& target, const std::vector<Constants>& constants)
-{
-  std::vector<double> values;
-  for (std::size_t i = 0; i < constants.size(); ++i)
-  {
-    if (constants[i].empty())
-      continue;
-    values.clear();
-    for (const auto& constant : constants[i])
-      values.insert(values.end(), constant->value.begin(), constant->value.end());
-    target.set_constants(i, values);
-  }
-}
-} // namespace
-
 AssembledBody::AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, Form residual,
                              std::shared_ptr<operators::KernelTangent> tangent, solve::BodyProperties properties,
                              BodyKernels kernels)
@@ -58,14 +40,13 @@ Vec AssembledBody::residual()
   update_ghosts();
   const operators::Entries values(_residual); // those of _values; PETSc is told that they change
   std::span<double> b = common::array(_values);
-  for (std::size_t i = 0; i < b.size(); ++i)
-    b[i] = -_loads[i];
+  std::ranges::copy(_loads, b.begin());
   std::fill(b.begin() + std::ptrdiff_t(values.size()), b.end(), 0.0); // ghosts
+  for (const KernelForce& f : _kernels.loads)
+    f.assemble(b);
+  std::ranges::transform(b, b.begin(), std::negate<double>());
   for (const KernelForce& f : _kernels.forces)
-  {
-    set_constants(*f.force, f.constants);
-    f.force->assemble(b);
-  }
+    f.assemble(b);
   if (_form)
     dolfinx::fem::assemble_vector(b, *_form);
   _values.scatter_rev(std::plus<double>());
@@ -111,10 +92,7 @@ std::optional<double> AssembledBody::stored_energy()
   for (const KernelForce& f : _kernels.forces)
     sum += f.force->sum("elastic");
   for (const KernelForce& f : _kernels.energies)
-  {
-    set_constants(*f.force, f.constants);
-    sum += f.force->value();
-  }
+    sum += f.value();
   MPI_Allreduce(MPI_IN_PLACE, &sum, 1, MPI_DOUBLE, MPI_SUM, _u->function_space()->mesh()->comm());
   return sum;
 }

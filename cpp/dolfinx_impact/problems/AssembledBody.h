@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../operators/InternalForce.h"
 #include "../operators/KernelTangent.h"
 #include "../operators/saved_history.h"
 #include "../solve/Body.h"
-#include <dolfinx/fem/Constant.h>
+#include "KernelForce.h"
 #include <dolfinx/la/Vector.h>
 #include <memory>
 #include <optional>
@@ -14,22 +13,13 @@ namespace dolfinx_impact::problems
 {
 typedef std::shared_ptr<const dolfinx::fem::Form<double>> Form;
 
-/// Constants of a form that kernels read, one behind the other: their values are read anew at every call.
-typedef std::vector<std::shared_ptr<const dolfinx::fem::Constant<double>>> Constants;
-
-/// An operator, and the constants of each of its integrals; without any the integrals have fixed values.
-struct KernelForce
-{
-  std::shared_ptr<operators::InternalForce> force;
-  std::vector<Constants> constants = {};
-};
-
 /// What is assembled by kernels.
 struct BodyKernels
 {
   std::vector<KernelForce> forces = {};   ///< residual; those of laws with internal variables keep them
   std::vector<KernelForce> energies = {}; ///< of laws without internal variables, and springs
   bool energy_is_known = false;           ///< nothing else stores energy but laws with internal variables
+  std::vector<KernelForce> loads = {};    ///< external forces, which are subtracted from the residual
   std::vector<Constants> tangent_constants = {};
   /// Functions that kernels read: their ghosts are updated before every call.
   std::vector<std::shared_ptr<dolfinx::fem::Function<double>>> functions = {};

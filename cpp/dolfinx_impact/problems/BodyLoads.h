@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "FunctionsOfTime.h"
+#include "KernelForce.h"
 #include <dolfinx/fem/Constant.h>
 #include <dolfinx/fem/Form.h>
 #include <memory>
@@ -20,6 +21,7 @@ struct BodyLoads
 
   /// Virtual work of the loads, whose nodal forces are external ones; null: there are none.
   std::shared_ptr<const dolfinx::fem::Form<double>> work = nullptr;
+  std::vector<KernelForce> kernels = {}; ///< the same by kernels
   std::vector<Scaled> scaled = {};
 };
 } // namespace dolfinx_impact::problems

@@ -109,12 +109,16 @@ void TimeExcitation::unscale()
 std::vector<double> TimeExcitation::external_forces()
 {
   std::vector<double> out = _body->forces();
-  if (!_loads.work)
+  if (!_loads.work && _loads.kernels.empty())
     return out;
-  const auto& dofmap = *_loads.work->function_spaces()[0]->dofmap();
+  const auto space = _loads.work ? _loads.work->function_spaces()[0] : _loads.kernels[0].force->test_space();
+  const auto& dofmap = *space->dofmap();
   dolfinx::la::Vector<double> b(dofmap.index_map, dofmap.index_map_bs());
   common::fill(b, 0.0);
-  dolfinx::fem::assemble_vector(common::array(b), *_loads.work);
+  for (const KernelForce& load : _loads.kernels)
+    load.assemble(common::array(b));
+  if (_loads.work)
+    dolfinx::fem::assemble_vector(common::array(b), *_loads.work);
   b.scatter_rev(std::plus<double>());
   for (std::size_t i = 0; i < out.size(); ++i)
     out[i] += b.array()[i];

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from ..common.unique import Unique
 from .body_stress import BodyStress
-from .cauchy_stress import STRESS, VON_MISES
+from .cauchy_stress import VON_MISES
+from ..forms.elasticity import STRESS
 from .material_history import MaterialHistory, existing
 from .history_field import HistoryField
 

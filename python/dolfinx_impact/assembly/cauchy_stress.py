@@ -10,32 +10,24 @@ import ufl
 from dolfinx.fem import Function
 
 from ..common.types import FloatArray
+from ..forms import elasticity
+from ..forms.elasticity import STRESS
 from ..forms.materials import von_mises_square
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
-from ..materials import Material, MaterialMap, _Material
+from ..materials import Material, MaterialMap
 from .inelastic_part import InelasticPart
 from .operators import InternalForce, cells_measure
 from .point_values import PointHistory
 
-STRESS, VON_MISES = "stress", "von_mises"
-
-
-def components(gdim: int) -> tuple[tuple[int, int], ...]:
-    """Components of the stress that are stored: xx, yy, zz, xy, and in space yz, xz.
-
-    Args:
-        gdim: dimension.
-    """
-    plane = ((0, 0), (1, 1), (2, 2), (0, 1))
-    return plane if gdim == 2 else (*plane, (1, 2), (0, 2))
+VON_MISES = "von_mises"
 
 
 def von_mises(stress: FloatArray) -> FloatArray:
     """Von Mises' equivalent stress.
 
     Args:
-        stress: components of `components`, (..., 4) or (..., 6) [F/L^2].
+        stress: components of forms.materials.stress_components, (..., 4) or (..., 6) [F/L^2].
 
     Returns:
         Equivalent stress, (...) [F/L^2].
@@ -74,7 +66,8 @@ class CauchyStress:
                 part = InelasticPart(u, m, measure, degree, tag)
                 work, law = part.force(v, with_stress=True)
             else:
-                work, law = force_with_stress(u, v, m, measure)
+                elastic: Any = m.law(u.function_space.mesh)
+                work, law = elasticity.internal_force_with_stress(u, v, elastic, measure)
                 law = by_material.setdefault(id(m), law)
             form = form + work
             laws[-1 if tag is None else tag] = law
@@ -85,7 +78,7 @@ class CauchyStress:
         """Evaluate the stress at the present displacement. Collective.
 
         Returns:
-            Components of `components` on this rank, (num_owned_cells, num_points, num_components) [F/L^2].
+            Components of forms.materials.stress_components on this rank, (num_owned_cells, num_points, num_components) [F/L^2].
         """
         own = self._force.history
         if self._points is not None:
@@ -96,21 +89,3 @@ class CauchyStress:
         values = own.values(STRESS, trial=True)
         own.revert()
         return values
-
-
-def force_with_stress(u: Function, v: ufl.Argument, material: _Material, dx: ufl.Measure) -> tuple[ufl.Form, PointLaw]:
-    """Virtual work of an elastic material, and a point law with its Cauchy stress as the output "stress".
-
-    Args:
-        u: displacement function [L].
-        v: test function.
-        material: the material.
-        dx: measure of the cells, with the quadrature degree.
-    """
-    from ..forms import elasticity
-
-    mesh = u.function_space.mesh
-    law: Any = material.law(mesh)
-    stress = law.cauchy_stress(u)
-    output = ufl.as_vector([stress[i, j] for i, j in components(mesh.geometry.dim)])
-    return elasticity.internal_force(u, v, law, dx), PointLaw(outputs={STRESS: output})

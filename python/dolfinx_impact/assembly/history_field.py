@@ -6,15 +6,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import basix
 import numpy as np
-import ufl
-from dolfinx import fem, la
+from dolfinx import fem
 from dolfinx.fem import Function
 from dolfinx.mesh import Mesh
 
-from .ffcx_form import ffcx_form
+from .. import _cpp
 from ..common.types import FloatArray
-from ..forms import quadrature
 from .inelastic_part import quadrature_element, set_values
 
 
@@ -41,7 +40,6 @@ class HistoryField:
     ) -> None:
         self.name, self.shape, self.degree = name, shape, degree
         self._mesh, self._read, self._write = mesh, read, write
-        self._average: _NodalAverage | None = None
 
     def __repr__(self) -> str:
         what = "a number" if not self.shape else f"{self.shape[0]} components"
@@ -78,40 +76,10 @@ class HistoryField:
         Returns:
             Continuous function of degree 1, with as many components as the variable.
         """
-        if self._average is None:
-            self._average = _NodalAverage(self.function(), self.shape, self.degree)
-        f, values = self._average.source, self.values
-        set_values(f, np.arange(len(values), dtype=np.int32), values)
-        f.x.scatter_forward()
-        out = Function(self._average.space, name=self.name)
-        self._average.evaluate(out)
-        return out
-
-
-class _NodalAverage:
-    """Averages at the vertices of a function on a quadrature element; forms are made once.
-
-    Args:
-        source: function on a quadrature element.
-        shape: shape of a value, () or (n,).
-        degree: quadrature degree of its points [1].
-    """
-
-    def __init__(self, source: Function, shape: tuple[int, ...], degree: int) -> None:
-        mesh = source.function_space.mesh
-        self.source, self.space = source, fem.functionspace(mesh, ("Lagrange", 1, shape))
-        scalars = fem.functionspace(mesh, ("Lagrange", 1))
-        dx = ufl.dx(domain=mesh, metadata=quadrature.metadata(degree))
-        v, w = ufl.TestFunction(self.space), ufl.TestFunction(scalars)
-        self._form = ffcx_form(ufl.inner(source, v) * dx)
-        weights = fem.assemble_vector(ffcx_form(w * dx))
-        weights.scatter_reverse(la.InsertMode.add)
-        self._weights = weights.array[: scalars.dofmap.index_map.size_local, None].copy()
-
-    def evaluate(self, out: Function) -> None:
-        """Set a function on `space` to the averages. Collective."""
-        sums = fem.assemble_vector(self._form)
-        sums.scatter_reverse(la.InsertMode.add)
-        bs, num_owned = self.space.dofmap.bs, len(self._weights)
-        out.x.array.reshape(-1, bs)[:num_owned] = sums.array.reshape(-1, bs)[:num_owned] / self._weights
+        out = Function(fem.functionspace(self._mesh, ("Lagrange", 1, self.shape)), name=self.name)
+        points, weights = basix.make_quadrature(self._mesh.basix_cell(), self.degree)
+        values = np.ascontiguousarray(self._read()).ravel()
+        averages = _cpp.operators.nodal_averages(out.function_space._cpp_object, points.ravel(), weights, values)
+        out.x.array[: len(averages)] = averages
         out.x.scatter_forward()
+        return out

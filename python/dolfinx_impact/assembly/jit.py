@@ -110,7 +110,7 @@ def compile_form(
         frontend.check_names([*objects[0], *objects[1]], given, history)
         key = emit.signature(frontend.form_signature(form, law))
         ranks.same(form=key)
-    built_in = _cpp.kernels.find_signature(key)
+    built_in = _built_in(form, law, key, *objects)
     if built_in:
         return Compiled(built_in, objects[0], objects[1], "package")
 
@@ -162,6 +162,67 @@ def compile_expression(
 
     kernels, path = _from_cache(key, integrals, comm)
     return Compiled(kernels, coefficients, constants, str(path))
+
+
+def find_form(form: ufl.Form) -> Compiled | None:
+    """Kernels of a UFL form that were built with the package; None: there are none, and the form is not compiled.
+
+    Args:
+        form: UFL form; its functions and constants may be those of DOLFINx or of UFL.
+    """
+    objects = frontend.objects_of(form)
+    kernels = _built_in(form, None, emit.signature(frontend.form_signature(form)), *objects)
+    return Compiled(kernels, *objects, "package") if kernels else None
+
+
+def _built_in(
+    form: ufl.Form, law: Laws | None, key: str, coefficients: list[ufl.Coefficient], constants: list[ufl.Constant]
+) -> list[_cpp.kernels.Kernel]:
+    """Kernels built with the package of a form, or of each of its integrals: of materials by cell tags, or loads on
+    tagged facets. Empty if one has none, or several integrals belong to the same cells or facets: compiled together
+    they are faster.
+
+    Args:
+        form: UFL form.
+        law: its internal variables and local equations.
+        key: its signature.
+        coefficients: those that its kernels read, in its order.
+        constants: likewise.
+    """
+    whole = _cpp.kernels.find_signature(key)
+    if whole:
+        return whole
+    places = [(i.integral_type(), i.subdomain_id()) for i in form.integrals()]
+    everywhere = {kind for kind, tag in places if tag == "everywhere"}
+    tagged = {kind for kind, tag in places if tag != "everywhere"}
+    if len(set(places)) < len(places) or everywhere & tagged or any(tag == "otherwise" for _, tag in places):
+        return []
+    laws = frontend.laws_of(law)
+    place = {id(o): number for listed in (coefficients, constants) for number, o in enumerate(listed)}
+    named: dict[str, ufl.Coefficient] = {}
+    kernels: list[_cpp.kernels.Kernel] = []
+    for integral in form.integrals():
+        tag = integral.subdomain_id()
+        tags = [-1] if tag == "everywhere" else [int(t) for t in (tag if isinstance(tag, tuple) else (tag,))]
+        own = {laws.get(t, laws.get(None)) for t in tags} if integral.integral_type() == "cell" else {None}
+        if len(own) > 1:
+            return []
+        (one,) = own
+        part = ufl.Form([integral.reconstruct(subdomain_id="everywhere")])
+        read = frontend.objects_of(part, one)
+        found = _cpp.kernels.find_signature(emit.signature(frontend.form_signature(part, one)))
+        if len(found) != 1:
+            return []
+        (kernel,) = found
+        kept = {o["coefficient"] for o in kernel.outputs}
+        for number, c in enumerate(kernel.coefficients):  # kernels have one name for one function
+            function = read[0][c["position"]]
+            if number not in kept and named.setdefault(c["name"], function) is not function:
+                return []
+        of_functions = [place[id(read[0][c["position"]])] for c in kernel.coefficients]
+        of_constants = [place[id(read[1][c["position"]])] for c in kernel.constants]
+        kernels.append(kernel.placed(tags, of_functions, of_constants))
+    return kernels
 
 
 def _names_of(

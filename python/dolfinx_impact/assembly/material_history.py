@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from .cauchy_stress import STRESS, VON_MISES
+from .cauchy_stress import VON_MISES
+from ..forms.elasticity import STRESS
 from .history_field import HistoryField
 from .inelastic_part import InelasticParts
 from .point_values import PointHistory

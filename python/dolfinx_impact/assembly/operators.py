@@ -27,7 +27,7 @@ from ..forms.materials import Law
 from ..inelastic import InelasticMaterial
 from ..materials import Material, _Material
 from ..forms.compiler import frontend
-from .jit import Compiled, Laws, compile_expression, compile_form
+from .jit import Compiled, Laws, compile_expression, compile_form, find_form
 from .point_values import PointHistory
 
 
@@ -105,9 +105,9 @@ def _tagged(data: Any, subdomain: int, measure: str, dim: int) -> IntArray:
 
 
 def _constants(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> FloatArray:
-    """Present values of all constants of a form, one after the other; empty if the kernel reads none."""
-    values = [np.ravel(np.asarray(c.value, dtype=np.float64)) for c in compiled.constants]
-    return np.concatenate(values) if values and kernel.constants else np.empty(0)
+    """Present values of the constants of a form that a kernel reads, one after the other; empty if it reads none."""
+    read = [compiled.constants[c["position"]] for c in kernel.constants]
+    return np.concatenate([np.ravel(np.asarray(c.value, dtype=np.float64)) for c in read]) if read else np.empty(0)
 
 
 def constants_of(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> list[Any]:
@@ -117,7 +117,7 @@ def constants_of(compiled: Compiled, kernel: _cpp.kernels.Kernel) -> list[Any]:
         compiled: kernels of the form.
         kernel: one of them.
     """
-    return [c._cpp_object for c in compiled.constants] if kernel.constants else []
+    return [compiled.constants[c["position"]]._cpp_object for c in kernel.constants]
 
 
 class BilinearKernels(Described):
@@ -538,7 +538,8 @@ class Energy(_Operator):
 
 
 class Tangent:
-    """Matrix of a bilinear form in a PETSc matrix that is created once, with FFCx's kernels.
+    """Matrix of a bilinear form in a PETSc matrix that is created once, with the package's kernels of forms of the
+    catalogue, FFCx's of others.
 
     Integrals over cells with averages, ufl.cell_avg, which FFCx does not know, have kernels of our own.
 
@@ -565,8 +566,13 @@ class Tangent:
         plain, averaged = split_averages(form)
         test, trial = (a.ufl_function_space() for a in sorted(form.arguments(), key=lambda a: a.number()))
         self._mesh = form.ufl_domain().ufl_cargo()
-        self.form = None if plain is None else ffcx_form(plain)
+        built_in = None if plain is None or averaged is not None else find_form(plain)
+        if built_in is not None and any(k.integral_type == "interior_facet" for k in built_in.kernels):
+            built_in = None  # their matrices are assembled by DOLFINx's kernels
+        self.form = None if plain is None or built_in is not None else ffcx_form(plain)
         self._kernels = None if averaged is None else BilinearKernels(averaged, compile_columns(averaged, test))
+        if built_in is not None:
+            self._kernels = BilinearKernels(form, built_in)
         own = ([], []) if self._kernels is None else (self._kernels.integrals, self._kernels.sources)
         other = None if self.form is None else self.form._cpp_object
         self._cpp_object = _cpp.operators.KernelTangent(test._cpp_object, trial._cpp_object, *own, other)

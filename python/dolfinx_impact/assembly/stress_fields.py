@@ -7,7 +7,9 @@ from dolfinx.fem import Function
 
 from ..common.described import Described
 from ..materials import Material
-from .cauchy_stress import STRESS, VON_MISES, CauchyStress, components, von_mises
+from ..forms.elasticity import STRESS
+from ..forms.materials import stress_components
+from .cauchy_stress import VON_MISES, CauchyStress, von_mises
 from .history_field import HistoryField
 from .point_values import PointHistory
 
@@ -29,5 +31,5 @@ class StressFields(Described):
         if name == VON_MISES:
             return HistoryField(name, (), degree, self._mesh, lambda: von_mises(evaluate())[..., None])
         if name == STRESS:
-            return HistoryField(name, (len(components(self._mesh.geometry.dim)),), degree, self._mesh, evaluate)
+            return HistoryField(name, (len(stress_components(self._mesh.geometry.dim)),), degree, self._mesh, evaluate)
         raise KeyError(f"a stress field is called {STRESS!r} or {VON_MISES!r}, not {name!r}")

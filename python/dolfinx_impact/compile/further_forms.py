@@ -8,7 +8,8 @@ from typing import Any
 import ufl
 
 from .. import compat
-from ..assembly.cauchy_stress import STRESS, components
+from ..forms.elasticity import STRESS
+from ..forms.materials import stress_components
 from ..forms import inertia, quadrature
 from ..forms.materials import weight
 from ..forms.point_law import PointLaw
@@ -54,5 +55,5 @@ def stress_form(u: Any, stress: Any, case: Case) -> KernelForm:
     plane = ufl.as_tensor([[stress[i, j] for j in range(dim)] for i in range(dim)])
     dx = ufl.dx(domain=mesh, metadata=quadrature.metadata(case.stiffness_degree))
     work = ufl.inner(plane, ufl.grad(ufl.TestFunction(V))) * weight(mesh, case.hypothesis) * dx
-    outputs = {STRESS: ufl.as_vector([stress[i, j] for i, j in components(dim)])}
+    outputs = {STRESS: ufl.as_vector([stress[i, j] for i, j in stress_components(dim)])}
     return KernelForm(work, PointLaw(outputs=outputs))

@@ -8,8 +8,8 @@ from dolfinx import fem
 from dolfinx.mesh import Mesh
 
 from ..assembly import operators
-from ..assembly.cauchy_stress import force_with_stress
 from ..assembly.inelastic_part import InelasticPart
+from ..forms import elasticity
 from ..inelastic import InelasticMaterial
 from ..materials import _Material
 from .case import Case
@@ -49,7 +49,7 @@ def law_of_material(material: _Material, name: str, mesh: Mesh, case: Case) -> O
             "force": KernelForm(operators.internal_force_form(u, v, material)),
             "tangent": KernelForm(operators.tangent_form(u, du, v, material)),
             "energy": KernelForm(operators.strain_energy_form(u, material)),
-            "stress": KernelForm(*force_with_stress(u, v, material, dx)),
+            "stress": KernelForm(*elasticity.internal_force_with_stress(u, v, material.law(mesh), dx)),
         }
     mass, density = mass_form(u, case)
     forms["mass"] = KernelForm(mass)

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dolfinx import fem
 from dolfinx.mesh import Mesh
 
-from ..assembly.cauchy_stress import STRESS, components
+from ..forms.elasticity import STRESS
+from ..forms.materials import stress_components
 from ..assembly.history_field import HistoryField
 from .names import AXES
 
@@ -26,7 +27,7 @@ def component_names(field: HistoryField, gdim: int) -> list[str]:
     if not field.shape:
         return [field.name]
     if field.name == STRESS:
-        return [f"{field.name}_{AXES[i]}{AXES[j]}" for i, j in components(gdim)]
+        return [f"{field.name}_{AXES[i]}{AXES[j]}" for i, j in stress_components(gdim)]
     return [f"{field.name}_{k}" for k in range(field.shape[0])]
 
 

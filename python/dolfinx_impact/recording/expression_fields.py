@@ -10,7 +10,9 @@ from typing import Any
 import ufl
 from dolfinx.fem import FunctionSpace
 
-from ..assembly.cauchy_stress import STRESS, VON_MISES, components, von_mises
+from ..assembly.cauchy_stress import VON_MISES, von_mises
+from ..forms.elasticity import STRESS
+from ..forms.materials import stress_components
 from ..assembly.fields import is_mixed
 from ..assembly.history_field import HistoryField
 from ..assembly.inelastic_part import quadrature_element
@@ -79,7 +81,7 @@ def expression_field(name: str, expressions: Mapping[str, Any], V: FunctionSpace
     expression = expressions[name]
     shape = expression.ufl_shape
     if name == STRESS:
-        expression = ufl.as_vector([expression[i, j] for i, j in components(mesh.geometry.dim)])
+        expression = ufl.as_vector([expression[i, j] for i, j in stress_components(mesh.geometry.dim)])
         shape = expression.ufl_shape
     size = math.prod(shape)
     points, _ = quadrature_element(mesh, (), degree).custom_quadrature()

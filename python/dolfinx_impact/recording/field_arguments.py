@@ -8,7 +8,8 @@ from typing import Any, Protocol
 
 from dolfinx.fem import Function, FunctionSpace
 
-from ..assembly.cauchy_stress import STRESS, VON_MISES
+from ..assembly.cauchy_stress import VON_MISES
+from ..forms.elasticity import STRESS
 from ..assembly.fields import is_mixed
 from ..assembly.material_history import MaterialHistory
 from ..assembly.history_field import HistoryField

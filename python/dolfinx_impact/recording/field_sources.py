@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 
 from dolfinx.fem import Function
 
-from ..assembly.cauchy_stress import STRESS, VON_MISES
+from ..assembly.cauchy_stress import VON_MISES
+from ..forms.elasticity import STRESS
 from ..assembly.history_field import HistoryField
 from .body_fields import BodyFields
 from .contact_fields import ContactFields

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Names of the fields that can be recorded, and their dimensions."""
 
-from ..assembly.cauchy_stress import STRESS, VON_MISES
+from ..assembly.cauchy_stress import VON_MISES
+from ..forms.elasticity import STRESS
 from ..forms import plasticity
 
 MOTION = {"displacement": "L", "velocity": "L/T", "acceleration": "L/T^2"}

@@ -52,6 +52,7 @@ class AssembledBody(Described):
         u: displacement function [L].
         forces: parts of the residual by kernels.
         kernels: their derivatives.
+        loads: external forces by kernels.
         residual: the rest of the residual, of FFCx; None: there is none.
         tangent: its derivative; None: it is zero.
         properties: what is known of the bodies beforehand.
@@ -66,6 +67,7 @@ class AssembledBody(Described):
         u: fem.Function,
         forces: Sequence[InternalForce],
         kernels: Sequence[BilinearKernels],
+        loads: Sequence[InternalForce],
         residual: fem.Form | None,
         tangent: fem.Form | None,
         properties: _cpp.solve.BodyProperties,
@@ -79,12 +81,15 @@ class AssembledBody(Described):
             [source for k in kernels for source in k.sources],
             None if tangent is None else tangent._cpp_object,
         )
-        read = [f for k in kernels for f in k.functions] + [f for o in forces for f in o.coefficients.values()]
+        read = [f for k in kernels for f in k.functions] + [
+            f for o in (*forces, *loads) for f in o.coefficients.values()
+        ]
         self._cpp_object = _cpp.problems.AssembledBody(
             u._cpp_object,
             None if residual is None else residual._cpp_object,
             matrix,
             forces=[force.live() for force in forces],
+            loads=[load.live() for load in loads],
             tangent_constants=[constants for k in kernels for constants in k.constants],
             functions=[f._cpp_object for f in {id(f): f for f in read if f is not u}.values()],
             properties=properties,

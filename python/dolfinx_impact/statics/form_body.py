@@ -34,6 +34,7 @@ class FormBody(AssembledBody):
             u,
             [InternalForce(residual)] if averaged_residual else [],
             [] if averaged is None else [BilinearKernels(averaged, compile_columns(averaged, u.function_space))],
+            [],
             None if averaged_residual else ffcx_form(residual),
             None if plain is None else ffcx_form(plain),
             _cpp.solve.BodyProperties(

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
-
 import ufl
 from dolfinx import fem
 
@@ -13,14 +11,13 @@ from ..assembly import operators
 from ..assembly.measures import check_measures
 from ..assembly.residual import differentiable
 from ..assembly.residual_bodies import ResidualBodies
-from ..added_mass import AddedMass
 from ..forms.quadrature import with_rules
-from ..foundation import foundations
 from ..loads import Load
 from ..materials import Material
 from .body import Body
 from .evaluated_body import Evaluate, EvaluatedBody
 from .form_body import FormBody
+from .load_forms import load_forms
 from .material_body import MaterialBody
 
 
@@ -53,7 +50,8 @@ def make_body(
         ValueError: integrals over one kind of entity have different tags.
     """
     du = ufl.TrialFunction(u.function_space)
-    external, springs = external_work(u, material or bodies, loads), bool(foundations(loads))
+    forms = load_forms(u, material or bodies, loads)
+    external = forms.work()
     follows = external is not None and u in external.coefficients()
     if residual is not None:
         given = tangent - ufl.derivative(with_rules(external), u, du) if tangent is not None and follows else tangent
@@ -69,24 +67,4 @@ def make_body(
     assert material is not None  # checked by the problem
     if external is not None:
         check_measures(operators.internal_force_form(u, ufl.TestFunction(u.function_space), material) - external)
-    return MaterialBody(u, material, external, ufl.derivative(external, u, du) if follows else None, springs)
-
-
-def external_work(u: fem.Function, bodies: Material | ResidualBodies | None, loads: Sequence[Load]) -> Any:
-    """Virtual work of the loads.
-
-    Args:
-        u: displacement function [L].
-        bodies: material of the bodies, or those of a residual; None without loads.
-        loads: loads.
-
-    Returns:
-        UFL form of rank 1; None without loads.
-    """
-    v, external = ufl.TestFunction(u.function_space), None
-    for load in loads:
-        if isinstance(load, AddedMass):
-            continue  # inertia
-        form = load.form(u, v, bodies)
-        external = form if external is None else external + form
-    return external
+    return MaterialBody(u, material, forms)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Bodies of materials: internal forces, tangent and history by our kernels, loads by FFCx's."""
+"""Bodies of materials: internal forces, tangent, history and constant loads by our kernels, other loads by FFCx's."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from ..assembly.operators import BilinearKernels, InternalForce
 from ..materials import Material
 from .assembled_body import AssembledBody, depends_on
 from .body import Body
+from .load_forms import LoadForms
 
 
 class MaterialBody(AssembledBody):
@@ -26,9 +27,7 @@ class MaterialBody(AssembledBody):
     Args:
         u: displacement function [L].
         material: material of the bodies.
-        external: UFL form of the virtual work of loads; None: there are none.
-        stiffness: UFL form of its derivative; None: it is zero.
-        has_springs: whether springs to the ground may hold the bodies.
+        loads: virtual work of the loads; None: there are none.
 
     Attributes:
         force: operator of the internal forces of materials with internal variables, which keeps them; None: there are
@@ -41,10 +40,9 @@ class MaterialBody(AssembledBody):
         self,
         u: fem.Function,
         material: Material,
-        external: ufl.Form | None = None,
-        stiffness: ufl.Form | None = None,
-        has_springs: bool = False,
+        loads: LoadForms | None = None,
     ) -> None:
+        loads = LoadForms() if loads is None else loads
         V = u.function_space
         v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
         forces, kernels, contains, varies = [], [], False, False
@@ -64,21 +62,27 @@ class MaterialBody(AssembledBody):
             self.history = MaterialHistory(parts, self.force.history)
             forces.append(self.force)
             kernels += [part.tangent(self.force.history) for part in parts]
+        forces += [InternalForce(form) for form in loads.springs]
+        kernels += [BilinearKernels(form, compile_form(form)) for form in loads.spring_tangents]
+        other, stiffness = loads.other, None
+        if other is not None and u in other.coefficients():
+            stiffness = ufl.derivative(other, u, du)
         of_loads = depends_on(stiffness, u)
         inelastic = self.force is not None
         super().__init__(
             u,
             forces,
             kernels,
-            None if external is None else ffcx_form(-external),
+            [InternalForce(form) for form in loads.dead],
+            None if other is None else ffcx_form(-other),
             None if stiffness is None else ffcx_form(-stiffness),
             _cpp.solve.BodyProperties(
                 linear=not inelastic and not varies and not of_loads[1],
-                keeps_tangent=not inelastic and not contains and stiffness is None,
+                keeps_tangent=not inelastic and not contains and stiffness is None and not loads.springs,
                 # Kinematic hardening with recovery and finite strain make the tangent of plastic flow unsymmetric.
                 symmetric=not inelastic,
                 inelastic=inelastic,
-                has_springs=has_springs,
+                has_springs=loads.has_springs,
                 rounds_positions=True,
             ),
         )

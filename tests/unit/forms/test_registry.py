@@ -65,6 +65,14 @@ def test_table_rows_are_distinct_and_allowed():
         assert row.symbol.isidentifier()
 
 
+def test_no_two_rows_are_the_same_form():
+    """A form is found by its signature: two rows of one form would count twice."""
+    forms = [row.build() for row in registry.TABLE]
+    signatures = [frontend.form_signature(built.form, built.law) for built in forms]
+    twice = [row.symbol for row, signature in zip(registry.TABLE, signatures) if signatures.count(signature) > 1]
+    assert twice == []
+
+
 def test_every_cell_and_degree_has_the_laws():
     held = {(r.name, r.cell, r.degree) for r in registry.TABLE}
     for law in LAWS:

@@ -16,6 +16,7 @@ from ... import _cpp, compat
 from ...assembly.ffcx_form import ffcx_form
 from ...common.described import Described
 from ...assembly import operators
+from ...assembly.jit import find_form
 from ...common.types import FloatArray
 
 
@@ -32,7 +33,8 @@ class DampingForce(Described):
         V = u.function_space
         self.space, self.velocity = V, velocity
         self._num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
-        self._form = ffcx_form(form)
+        self._kernels = operators.InternalForce(form) if find_form(form) is not None else None
+        self._form = ffcx_form(form) if self._kernels is None else None
         self._vector = compat.create_vector(V)
         du = ufl.TrialFunction(V)
         by_velocity = expand_derivatives(ufl.derivative(form, velocity, du))
@@ -49,6 +51,8 @@ class DampingForce(Described):
             Forces that resist, over owned degrees of freedom [F].
         """
         self.velocity.x.scatter_forward()
+        if self._kernels is not None:
+            return np.array(self._kernels.apply().array[: self._num_owned])
         with self._vector.localForm() as local:
             local.set(0.0)
         petsc.assemble_vector(self._vector, self._form)

@@ -17,7 +17,7 @@ from ...amplitude import Amplitude, PrescribedMotion
 from ...assembly import problem_arguments
 from ...assembly.curvature import check_curvature, is_displacement
 from ...assembly.body_forms import stiffness_damping
-from ...assembly.operators import Inputs
+from ...assembly.operators import Inputs, InternalForce
 from ...assembly.ffcx_form import ffcx_form
 from ...assembly.fields import check_inertia, is_mixed
 from ...assembly.locking import warn_of_locking
@@ -36,7 +36,8 @@ from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
 from ...loads import DeadLoad, Load
 from ...materials import MaterialMap, Rayleigh, _Material
-from ...statics.make_body import external_work, make_body
+from ...statics.load_forms import load_forms
+from ...statics.make_body import make_body
 from ...statics.material_body import MaterialBody, history_of
 from ...statics.linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..energy_gain import release_limit
@@ -249,7 +250,8 @@ class NewmarkProblem(TransientProblem):
         if isinstance(self.body, MaterialBody):
             self.body.set_energies(stored_energies(u, bodies, springs))
         damping_force = self._damping_force(resisting, bodies)
-        work = external_work(u, bodies, [load for load in self.loads if load not in springs])
+        loaded = load_forms(u, bodies, [load for load in self.loads if load not in springs])
+        work = loaded.work()
         self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
         read = [form for form in (residual, work) if form is not None]
         self.inputs = Inputs(
@@ -257,13 +259,15 @@ class NewmarkProblem(TransientProblem):
             (u, self.velocity),
         )  # fmt: skip
         make_room(V)
-        self._work = None if work is None else ffcx_form(work)  # FFCx's functions are Python's
+        by_kernels = [InternalForce(form) for form in loaded.dead] if material is not None else []
+        rest = loaded.other if material is not None else work
+        self._work = None if rest is None else ffcx_form(rest)  # FFCx's functions are Python's
         self._cpp_object = _cpp.problems.NewmarkProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
             _cpp.problems.ImplicitBody(
                 self.body.in_cpp(), self.inertia._cpp_object, self.inertia.total.array[: self.num_owned],
                 self.damping.alpha, None if damping_force is None else damping_force.in_cpp(),
-                None if self._work is None else self._work._cpp_object, scaled,
+                None if self._work is None else self._work._cpp_object, [load.live() for load in by_kernels], scaled,
             ),
             motions, [implicit_contact(c, self.functions) for c in self.contact], self.scheme,
             petsc_options(options), prefix, self.axisymmetric, LIMITS, warnings_on(self.comm), self.sample,
