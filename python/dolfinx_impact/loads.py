@@ -281,6 +281,9 @@ class FollowerPressure(_FacetLoad):
     def _what(self) -> str:
         return f"pressure={self.pressure}"
 
+    def varies(self) -> bool:
+        return False
+
     def form(self, u: Any, v: Any, material: Any) -> ufl.Form:
         """It depends on u."""
         mesh = u.function_space.mesh

@@ -15,7 +15,7 @@ from dolfinx_impact.assembly.body_forms import BodyForms, body_forms
 from dolfinx_impact.assembly.body_results import BodyResults
 from dolfinx_impact.assembly.body_stress import BodyStress
 from dolfinx_impact.assembly.cauchy_stress import CauchyStress
-from dolfinx_impact.assembly.history_field import HistoryField, _NodalAverage
+from dolfinx_impact.assembly.history_field import HistoryField
 from dolfinx_impact.assembly.inelastic_part import InelasticParts
 from dolfinx_impact.assembly.large_rotation import LargeRotation, RotationWarning
 from dolfinx_impact.assembly.operators import BilinearKernels, Inputs, SplitForce, _Operator
@@ -162,11 +162,6 @@ def test_averages_at_vertices(body):
     mean = np.bincount(dofs.ravel(), np.repeat(np.arange(1.0, 5.0), 4)) / counts
     assert sorted(counts) == [1] * 4 + [2] * 4 + [4] and len(x) == 9
     np.testing.assert_allclose(nodes.x.array, mean, rtol=1e-13)
-    average = _NodalAverage(field.function(), (), 2)
-    average.source.x.array[:] = 3.0
-    out = fem.Function(average.space)
-    average.evaluate(out)
-    np.testing.assert_allclose(out.x.array, 3.0, rtol=1e-14)
 
 
 def test_changes_of_constants_and_functions(body):
