@@ -4,8 +4,8 @@
 # ordinary user, in a fresh virtual environment of this Python with nothing of the caller's environment, without a
 # network:
 #   - pip install dolfinx_impact, from BUILD and the folder WHEELS (env/fetch_wheel_sources.sh)
-#   - without a compiler: `dolfinx-impact info`, an explicit demo on one and two ranks; a form that is compiled at run
-#     time is refused in one sentence
+#   - without a compiler: `dolfinx-impact info`, a static and an explicit demo on one and two ranks; a form that is
+#     compiled at run time is refused in one sentence
 #   - with the system's compiler: each DEMO (hertz bar_on_wall rail_joint without) on one and two ranks
 # Prints each fact as "holds" or "FAILS"; exit status 0 if all hold. Started as root, it becomes the user nobody.
 # `env/run --no-build env/try_package.sh ...` has Debian 13's Python; RANKS="1 2" are the numbers of ranks.
@@ -74,7 +74,9 @@ fact "pip install, as $(clean "$full" id -un)" clean "$full" pip --disable-pip-v
 fact "each library once" one_of_each
 fact "without a compiler: info" clean "$bare" dolfinx-impact info
 for ranks in ${RANKS:-1 2}; do
-  fact "without a compiler: bar_on_wall, ranks: $ranks" clean "$bare" dolfinx-impact demo bar_on_wall --ranks "$ranks"
+  for demo in bar_on_wall hertz; do
+    fact "without a compiler: $demo, ranks: $ranks" clean "$bare" dolfinx-impact demo "$demo" --ranks "$ranks"
+  done
 done
 fact "without a compiler: a form of DOLFINx is refused in one sentence" refused "no C compiler was found" \
   python -c "$form"
