@@ -4,14 +4,15 @@
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its
 coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that `verify`
 compares with the hand-written solver element by element: those with internal variables or a stress at their points, and
-those that only resist a motion, are compared in runs. TABLE lists the rows that are compiled with the package: what the demos and C++ users
-need. Everything else takes the run-time route.
+those that only resist a motion, are compared in runs. TABLE lists the rows that are compiled with the package: what the
+demos and C++ users need. Everything else takes the run-time route.
 """
 
 from dataclasses import dataclass
 
 from . import catalogue, quadrature  # noqa: F401  (importing the catalogue registers its forms)
-from .catalogue import damping, laws, plasticity
+from .catalogue import damping, plasticity
+from .catalogue.laws import STRESSES
 from .materials import LAWS
 from .registration import (
     AXIAL,
@@ -49,7 +50,7 @@ __all__ = [
     "registered",
 ]
 
-NAMES = tuple(name for name in FORMS if name not in (*plasticity.NAMES, *damping.OF_STEPS, *laws.STRESSES))
+NAMES = tuple(name for name in FORMS if name not in (*plasticity.NAMES, *damping.OF_STEPS, *STRESSES))
 LAW_FORMS = tuple(name for name in NAMES if name.split(".")[0] in LAWS)
 
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Forms as they would be on a mesh whose nodes are placed by Basix's default.
 
-gmsh's and XDMF's meshes have nodes of the variant "equispaced", those that DOLFINx makes itself have "gll_warped". Up to
-degree 2 both are the same nodes, hence the same kernels; their elements, and with them UFL's signatures, are different.
+Meshes of gmsh and XDMF have nodes of the variant "equispaced", those that DOLFINx makes itself have "gll_warped". Up
+to degree 2 both are the same nodes, hence the same kernels; their elements, and so UFL's signatures, are different.
 """
 
 import basix

@@ -48,6 +48,11 @@ class Kernel:
     def coefficients(self) -> list[dict[str, Any]]: ...
     @property
     def constants(self) -> list[dict[str, Any]]: ...
+    def placed(self, subdomains: Sequence[int], coefficients: Sequence[int], constants: Sequence[int]) -> Kernel:
+        """
+        The kernel as a part of a form: the tags that it belongs to there, and the number of each of its coefficients and constants in the form's lists
+        """
+
     @property
     def widths(self) -> list[int]: ...
     def tabulate(

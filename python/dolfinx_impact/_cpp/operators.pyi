@@ -180,6 +180,16 @@ def cell_masses_nodal(
 ) -> NDArray[numpy.float64]:
     """Lumped mass of a nodal rule by cell and local degree of freedom"""
 
+def nodal_averages(
+    V: dolfinx.cpp.fem.FunctionSpace_float64,
+    points: NDArray[numpy.floating[Any]],
+    weights: NDArray[numpy.floating[Any]],
+    values: NDArray[numpy.floating[Any]],
+) -> NDArray[numpy.float64]:
+    """
+    Averages at the nodes of values at quadrature points, at owned nodes. Collective
+    """
+
 def nodes_of_bodies(
     V: dolfinx.cpp.fem.FunctionSpace_float64, nodes: NDArray[numpy.integer[Any]]
 ) -> NDArray[numpy.int32]:

@@ -20,6 +20,7 @@ class AssembledBody(dolfinx_impact._cpp.solve.Body):
         residual: dolfinx.cpp.fem.Form_float64 | None,
         tangent: dolfinx_impact._cpp.operators.KernelTangent,
         forces: Sequence[KernelForce],
+        loads: Sequence[KernelForce],
         tangent_constants: Sequence[Sequence[dolfinx.cpp.fem.Constant_float64]],
         functions: Sequence[dolfinx.cpp.fem.Function_float64],
         properties: dolfinx_impact._cpp.solve.BodyProperties,
@@ -161,9 +162,12 @@ class ImplicitBody:
         alpha: float,
         damping: dolfinx_impact._cpp.integrators.VelocityForce | None,
         work: dolfinx.cpp.fem.Form_float64 | None,
+        loads: Sequence[KernelForce],
         scaled: Sequence[tuple[dolfinx.cpp.fem.Constant_float64, NDArray[numpy.floating[Any]]]],
     ) -> None:
-        """scaled: constants of loads, and their amplitudes at the start"""
+        """
+        work: of loads that are forms; loads: those by kernels; scaled: constants of loads, and their amplitudes at the start
+        """
 
 class ImplicitContact:
     """A contact of implicit steps"""

@@ -78,7 +78,8 @@ class CauchyStress:
         """Evaluate the stress at the present displacement. Collective.
 
         Returns:
-            Components of forms.materials.stress_components on this rank, (num_owned_cells, num_points, num_components) [F/L^2].
+            Components (forms.materials.stress_components) on this rank, (num_owned_cells, num_points,
+            num_components) [F/L^2].
         """
         own = self._force.history
         if self._points is not None:

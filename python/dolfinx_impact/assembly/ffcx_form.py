@@ -106,9 +106,9 @@ def missing_for_forms() -> str:
     command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
     if shutil.which(command[0]) is None:
         return (
-            f"no C compiler was found ({command[0]}): DOLFINx compiles this form at run time, a residual of your own or "
-            "a load that varies. Install one (Debian: gcc, python3-dev) or set CC; materials of the catalogue's table "
-            "under constant loads work without"
+            f"no C compiler was found ({command[0]}): DOLFINx compiles this form at run time, a residual of your "
+            "own or a load that varies. Install one (Debian: gcc, python3-dev) or set CC; materials of the catalogue's "
+            "table under constant loads work without"
         )
     header = Path(sysconfig.get_path("include"), "Python.h")
     if not header.exists():

@@ -79,7 +79,9 @@ class HistoryField:
         out = Function(fem.functionspace(self._mesh, ("Lagrange", 1, self.shape)), name=self.name)
         points, weights = basix.make_quadrature(self._mesh.basix_cell(), self.degree)
         values = np.ascontiguousarray(self._read()).ravel()
-        averages = _cpp.operators.nodal_averages(out.function_space._cpp_object, points.ravel(), weights, values)
+        averages = _cpp.operators.nodal_averages(
+            out.function_space._cpp_object, np.ravel(points), np.asarray(weights), values
+        )
         out.x.array[: len(averages)] = averages
         out.x.scatter_forward()
         return out

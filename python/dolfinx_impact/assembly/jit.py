@@ -172,7 +172,7 @@ def find_form(form: ufl.Form) -> Compiled | None:
     """
     objects = frontend.objects_of(form)
     kernels = _built_in(form, None, emit.signature(frontend.form_signature(form)), *objects)
-    return Compiled(kernels, *objects, "package") if kernels else None
+    return Compiled(kernels, objects[0], objects[1], "package") if kernels else None
 
 
 def _built_in(

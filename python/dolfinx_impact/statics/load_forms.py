@@ -57,6 +57,7 @@ def load_forms(u: fem.Function, bodies: Material | ResidualBodies | None, loads:
             continue
         out.has_springs = out.has_springs or isinstance(load, Foundation)
         if isinstance(load, Foundation) and not load.varies():
+            assert bodies is not None  # there are loads
             hypothesis = bodies.hypothesis_on(V.mesh)
             out.springs.append(load.springs(u, v, hypothesis))
             out.spring_tangents.append(load.springs(du, v, hypothesis))

@@ -22,7 +22,9 @@ def box(row):
     """A row of distorted cells with r > 0, and a displacement with strains of some percent."""
     dim, kind = registry.CELLS[row.cell], getattr(mesh.CellType, row.cell)
     create = mesh.create_rectangle if dim == 2 else mesh.create_box
-    domain = create(MPI.COMM_SELF, [[1.0] + [0.0] * (dim - 1), [2.0] + [1.0] * (dim - 1)], [COUNT] + [1] * (dim - 1), kind)
+    domain = create(
+        MPI.COMM_SELF, [[1.0] + [0.0] * (dim - 1), [2.0] + [1.0] * (dim - 1)], [COUNT] + [1] * (dim - 1), kind
+    )
     x = domain.geometry.x
     x[:, 1] += 0.1 * x[:, 0] * x[:, 1]
     u = fem.Function(fem.functionspace(domain, ("Lagrange", row.degree, (dim,))), name="u")

@@ -11,7 +11,7 @@ from dolfinx import fem, la, mesh
 from mpi4py import MPI
 from operator_checks import CELLS, body
 
-from dolfinx_impact import _cpp
+from dolfinx_impact import _cpp, compat
 from dolfinx_impact.assembly.history_field import HistoryField
 
 COMM = MPI.COMM_WORLD
@@ -71,7 +71,7 @@ def check_surfaces_in_space():
     domain = body("triangle")
     x = np.column_stack([domain.geometry.x[:, :2], domain.geometry.x[:, 0] ** 2])
     element = basix.ufl.element("Lagrange", "triangle", 1, shape=(3,))
-    cells = domain.geometry.dofmap[: domain.topology.index_map(2).size_local].astype(np.int64)
+    cells = compat.geometry_dofmap(domain)[: domain.topology.index_map(2).size_local].astype(np.int64)
     used, renumbered = np.unique(cells, return_inverse=True)
     surface = mesh.create_mesh(MPI.COMM_SELF, renumbered.reshape(cells.shape), x=x[used], e=ufl.Mesh(element))
     compare(surface, (), 2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Materials of the catalogue, constant loads and contact need no compiler on the user's machine: a wheel has them all."""
+"""Materials of the catalogue, constant loads and contact need no compiler: their kernels come with the package."""
 
 import os
 import pathlib

@@ -18,7 +18,7 @@ DIM = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 
 
 def blocks(cell):
-    """Two blocks, one on the other, in one mesh of two tags; the gap between them is a row of cells that is left out."""
+    """Two blocks, one on the other: a row of cells between them is left out."""
     dim = DIM[cell]
     create, kind = (mesh.create_rectangle if dim == 2 else mesh.create_box), getattr(mesh.CellType, cell)
     low, high = np.array([1.0, 0.0, 0.0])[:dim], np.array([2.0, 1.5, 1.0])[:dim]
@@ -28,7 +28,6 @@ def blocks(cell):
     y = mesh.compute_midpoints(whole, dim, cells)[:, 1]
     domain = mesh.create_submesh(whole, dim, cells[(y < 0.5) | (y > 1.0)])[0]
     domain.geometry.x[domain.geometry.x[:, 1] > 0.75, 1] -= 0.5
-    upper = domain.geometry.x[:, 1].copy()
     return domain
 
 
