@@ -104,11 +104,23 @@ def gradient_and_dilatation(strain: Any) -> tuple[Any, Any]:
     """
     if isinstance(strain, ufl.classes.ComponentTensor) and isinstance(strain.ufl_operands[0], ufl.classes.Product):
         entry, root = sorted(strain.ufl_operands[0].ufl_operands, key=lambda o: isinstance(o, ufl.classes.Power))
-        if isinstance(root, ufl.classes.Power) and isinstance(entry, ufl.classes.Indexed):
-            ratio, (F, index) = root.ufl_operands[0], entry.ufl_operands
-            if index == strain.ufl_operands[1] and isinstance(ratio, ufl.classes.Division):
+        F = _tensor_of(entry, strain.ufl_operands[1])
+        if isinstance(root, ufl.classes.Power) and F is not None:
+            ratio = root.ufl_operands[0]
+            if isinstance(ratio, ufl.classes.Division):
                 return F, ratio.ufl_operands[0]
     return strain, ufl.det(strain)
+
+
+def _tensor_of(entry: Any, index: Any) -> Any:
+    """Tensor that an expression is the entry of; None if it is none. UFL writes entries of sums as sums of entries from
+    2025 on."""
+    if isinstance(entry, ufl.classes.Indexed) and entry.ufl_operands[1] == index:
+        return entry.ufl_operands[0]
+    if isinstance(entry, ufl.classes.Sum):
+        terms = [_tensor_of(o, index) for o in entry.ufl_operands]
+        return None if any(term is None for term in terms) else sum(terms[1:], terms[0])
+    return None
 
 
 def same_in_cell(expression: Any) -> bool:

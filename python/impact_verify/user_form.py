@@ -15,6 +15,7 @@ from dolfinx_impact.own_forms import distorted_block
 from dolfinx_impact.assembly.jit import Compiled, compile_form
 from dolfinx_impact.forms import registry
 from dolfinx_impact.forms.compiler import frontend
+from dolfinx_impact.forms.compiler.integrands import integrands
 from dolfinx_impact.forms.materials import HYPOTHESES
 from dolfinx_impact.own_forms.user_file import run_file
 from . import catalogue, element, matched_body, nodes
@@ -269,9 +270,10 @@ def _case(form: ufl.Form, name: str, hypothesis: str) -> Case:
 
 def _rule(integral: Any, cell: str) -> TheirRule:
     """The rule of the user's own form as points and weights of the other side's reference cell."""
-    (rule, *more) = integral.ir.integrand
-    if more:
+    rules = integrands(integral.ir)
+    if len(rules) != 1:
         return None
+    rule = rules[0][0]
     points, weights = np.asarray(rule.points), np.asarray(rule.weights)
     tensor = cell in nodes.TENSOR
     dim = points.shape[1]

@@ -309,7 +309,7 @@ def forms_violations(root):
 
 
 # The files that may ask for a release of DOLFINx, UFL, Basix or FFCx, or use what only some releases have.
-RELEASE_LAYERS = ("python/dolfinx_impact/compat.py",)
+RELEASE_LAYERS = ("python/dolfinx_impact/compat.py", "forms/compiler/integrands.py")
 RELEASE_LAYERS_CPP = tuple(f"cpp/dolfinx_impact/common/{name}.h" for name in ("dolfinx_api", "create_functionspace"))
 RELEASE_LAYERS_CPP += ("cpp/bindings/casters.h",)
 # Names that only some releases have, or that are properties in one and functions in another, and where they are
@@ -383,6 +383,8 @@ def _of_a_release(node):
             yield f"{base}.__version__"
         elif node.attr in OF_RELEASES and base != "compat":
             yield node.attr
+        elif node.attr == "integrand" and base == "ir":
+            yield "FFCx's ir.integrand"
         elif node.attr in OF_GEOMETRY and base == "geometry":
             yield f"geometry.{node.attr}"
         elif node.attr in OF_MODULES.get(base, ()):

@@ -12,6 +12,7 @@ import numpy as np
 from dolfinx_impact.assembly.jit import Compiled
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.forms import registry
+from dolfinx_impact.forms.compiler.integrands import integrands
 from .. import catalogue, element, nodes
 from ..catalogue import Case
 from ..nodes import TheirRule
@@ -62,7 +63,7 @@ class Explanation:
         self.observations: list[list[_Observation]] = []
         (kernel, *more) = compiled.kernels
         (integral, *_) = integrals
-        (rule, *rules) = integral.ir.integrand
+        (rule, _), *rules = integrands(integral.ir)
         self.rank: int = kernel.rank
         self.usable = not more and not rules and not self.name.startswith("poisson")
         if self.usable:
