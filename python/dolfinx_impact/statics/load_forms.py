@@ -47,7 +47,7 @@ def load_forms(u: fem.Function, bodies: Material | ResidualBodies | None, loads:
     Args:
         u: displacement function [L].
         bodies: material of the bodies, or those of a residual; None without loads.
-        loads: loads; masses are none, they count with the inertia.
+        loads: loads; masses are none, they count with the inertia. Others than those of the package have a `form`.
     """
     V = u.function_space
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
@@ -63,7 +63,7 @@ def load_forms(u: fem.Function, bodies: Material | ResidualBodies | None, loads:
             out.spring_tangents.append(load.springs(du, v, hypothesis))
             continue
         form = load.form(u, v, bodies)
-        if not load.varies() and u not in form.coefficients():
+        if isinstance(load, Load) and not load.varies() and u not in form.coefficients():
             out.dead.append(form)
         else:
             out.other = form if out.other is None else out.other + form

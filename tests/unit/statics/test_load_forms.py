@@ -65,6 +65,16 @@ def test_the_work_is_that_of_all_loads():
     np.testing.assert_allclose(whole, parts, rtol=1e-13, atol=1e-15)
 
 
+def test_a_load_of_ones_own_needs_a_form_alone():
+    class Own:
+        def form(self, u, v, material):
+            return ufl.inner(ufl.as_vector((1.0, 2.0)), v) * ufl.dx
+
+    s = Square()
+    forms = load_forms(s.u, s.material, [Own()])
+    assert not forms.dead and forms.other == Own().form(s.u, ufl.TestFunction(s.u.function_space), s.material)
+
+
 def test_no_loads():
     assert load_forms(Square().u, None, []) == LoadForms() and LoadForms().work() is None
 
