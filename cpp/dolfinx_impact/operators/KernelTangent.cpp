@@ -2,6 +2,7 @@
 #include "KernelTangent.h"
 #include "../common/dolfinx_api.h"
 #include "../kernels/check.h"
+#include "petsc_communicators.h"
 #include <algorithm>
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/fem/petsc.h>
@@ -99,6 +100,8 @@ KernelTangent::KernelTangent(const std::array<std::shared_ptr<const FunctionSpac
                              std::shared_ptr<const dolfinx::fem::Form<double>> other)
     : _V(V), _other(std::move(other))
 {
+  for (const auto& space : V)
+    keep_petsc_communicators(*space);
   _parts.reserve(integrals.size());
   for (const Named& integral : integrals)
     _parts.emplace_back(integral, V);

@@ -2,6 +2,7 @@
 #include "AssembledBody.h"
 #include "../common/dolfinx_api.h"
 #include "../operators/petsc_check.h"
+#include "../operators/petsc_communicators.h"
 #include <algorithm>
 #include <dolfinx/fem/assembler.h>
 #include <dolfinx/la/petsc.h>
@@ -17,6 +18,7 @@ AssembledBody::AssembledBody(std::shared_ptr<dolfinx::fem::Function<double>> u, 
       _kernels(std::move(kernels)),
       _values(_u->function_space()->dofmap()->index_map, _u->function_space()->dofmap()->index_map_bs())
 {
+  operators::keep_petsc_communicators(*_u->function_space());
   // Rows of prescribed degrees of freedom are zeroed and filled again.
   operators::check(MatSetOption(_tangent->matrix(), MAT_KEEP_NONZERO_PATTERN, PETSC_TRUE), "keeping a pattern");
   _loads.assign(_values.array().size(), 0.0);
