@@ -18,7 +18,7 @@ Case: TypeAlias = tuple[str, str, int, int, str]
 
 FINITE = ("st_venant_kirchhoff", "neo_hookean")
 # Integrands that are polynomials on every cell, curved and axisymmetric ones too: both sides integrate them exactly.
-POLYNOMIAL = ("mass", "mass_action", "row_sum", "body_force")
+POLYNOMIAL = ("mass", "mass_action", "row_sum", "body_force", "gravity")
 FOUNDATION = ("normal_foundation", "normal_foundation_tangent", "foundation", "foundation_tangent")
 FACET = ("traction", "follower_pressure", "follower_pressure_tangent", *FOUNDATION)
 SPIN = ("gyroscopic", "ale_inertia", "centrifugal_load", "momentum_balance")
@@ -162,6 +162,7 @@ def parameters(rng: np.random.Generator, name: str, dim: int) -> dict[str, float
         "springs": rng.uniform(0.5, 2.0, dim),
         "spin": rng.uniform(0.5, 2.0) if dim == 2 else rng.uniform(-1.0, 1.0, 3),
         "centre": rng.uniform(-1.0, 1.0, dim),
+        "g": rng.uniform(-1.0, 1.0, dim),
     }
     return values
 
@@ -231,6 +232,8 @@ def evaluate(
         return ref.element_lumped_mass(cell, X, m, "nodal", **d)
     if name == "body_force":
         return ref.element_body_force(cell, X, v["f"], hypothesis, **d)
+    if name == "gravity":
+        return ref.element_body_force(cell, X, v["density"] * np.asarray(v["g"]), hypothesis, **d)
     if name == "traction":
         return ref.element_traction(cell, X, facet_nodes, v["t"], hypothesis, **d)
     if name == "follower_pressure":

@@ -41,6 +41,7 @@ CONSTANTS = {
     "lmbda": "lambda", "lam": "lambda", "lambda_": "lambda", "mu": "mu", "alpha": "alpha", "beta": "beta", "k": "k",
     "kappa": "k", "p": "p", "pressure": "p", "q": "q", "f": "f", "b": "f", "t": "t", "T": "t", "spin": "spin",
     "Omega": "spin", "centre": "centre", "springs": "springs", "stiffness": "k", "traction": "t", "body_force": "f",
+    "g": "g", "gravity": "g",
 }  # fmt: skip
 
 
