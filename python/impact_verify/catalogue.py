@@ -162,8 +162,8 @@ def parameters(rng: np.random.Generator, name: str, dim: int) -> dict[str, float
         "springs": rng.uniform(0.5, 2.0, dim),
         "spin": rng.uniform(0.5, 2.0) if dim == 2 else rng.uniform(-1.0, 1.0, 3),
         "centre": rng.uniform(-1.0, 1.0, dim),
-        "g": rng.uniform(-1.0, 1.0, dim),
     }
+    values["g"] = values["f"]  # no draw of its own: those of all other forms stay as they are
     return values
 
 
