@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "nodal_averages.h"
+#include "../common/agree.h"
 #include "../common/dolfinx_api.h"
+#include <array>
 #include <basix/finite-element.h>
 #include <cmath>
 #include <dolfinx/fem/CoordinateElement.h>
@@ -53,10 +55,14 @@ std::vector<double> nodal_averages(const dolfinx::fem::FunctionSpace<double>& V,
   const auto& dofmap = *V.dofmap();
   const std::size_t tdim = mesh.topology()->dim(), n = weights.size(), bs = dofmap.bs();
   const std::size_t num_cells = mesh.topology()->index_map(int(tdim))->size_local();
-  if (n == 0 || points.size() != n * tdim || values.size() != num_cells * n * bs)
-    throw std::invalid_argument("averages at nodes: " + std::to_string(values.size()) + " values of " +
-                                std::to_string(num_cells) + " cells with " + std::to_string(n) + " points and " +
-                                std::to_string(bs) + " components");
+  common::agree(mesh.comm(),
+                [&]
+                {
+                  if (n == 0 || points.size() != n * tdim || values.size() != num_cells * n * bs)
+                    throw std::invalid_argument("averages at nodes: " + std::to_string(values.size()) + " values of " +
+                                                std::to_string(num_cells) + " cells with " + std::to_string(n) +
+                                                " points and " + std::to_string(bs) + " components");
+                });
   const Table shape(V.element()->basix_element(), points, n);
   const auto& cmap = common::coordinate_element(mesh);
   const Table geometry(basix::create_element<double>(

@@ -13,7 +13,7 @@ namespace dolfinx_impact::operators
 /// @param[in] weights of the rule [1]
 /// @param[in] values on owned cells, [(cell*num_points + point)*num_components + component]
 /// @return at owned nodes, [node*num_components + component]
-/// @throws std::invalid_argument if the sizes do not fit
+/// @throws std::invalid_argument on all ranks if the sizes do not fit on one
 std::vector<double> nodal_averages(const dolfinx::fem::FunctionSpace<double>& V, std::span<const double> points,
                                    std::span<const double> weights, std::span<const double> values);
 } // namespace dolfinx_impact::operators

@@ -90,3 +90,13 @@ def check_wrong_sizes():
     ):
         with pytest.raises(ValueError, match="averages at nodes"):
             _cpp.operators.nodal_averages(V, *arguments)
+
+
+def check_a_wrong_size_on_one_rank():
+    """All ranks say so: the others must not wait for it."""
+    domain = body("quadrilateral")
+    V = fem.functionspace(domain, ("Lagrange", 1))._cpp_object
+    points, weights = basix.make_quadrature(basix.CellType.quadrilateral, 2)
+    values = np.ones(domain.topology.index_map(2).size_local * len(weights) + (COMM.rank == COMM.size - 1))
+    with pytest.raises(ValueError, match="averages at nodes"):
+        _cpp.operators.nodal_averages(V, points.ravel(), weights, values)
