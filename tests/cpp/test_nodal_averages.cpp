@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Averages at nodes of values at quadrature points; loads of bodies by kernels; PETSc's communicators of a space.
+// Averages at nodes of values at quadrature points.
 #include <algorithm>
 #include <basix/finite-element.h>
 #include <basix/quadrature.h>
@@ -10,9 +10,7 @@
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/operators/nodal_averages.h>
-#include <dolfinx_impact/operators/petsc_communicators.h>
 #include <memory>
-#include <petscsys.h>
 #include <stdexcept>
 #include <vector>
 
@@ -62,29 +60,4 @@ TEST_CASE("a node has the mean of the cells around it", "[averages]")
   }
   values.pop_back();
   CHECK_THROWS_AS(dolfinx_impact::operators::nodal_averages(*V, points, weights, values), std::invalid_argument);
-}
-
-TEST_CASE("PETSc's communicators of a space outlive its objects", "[petsc]")
-{
-  /// The tag of a message that PETSc gives an object on a communicator, which is its last one: they count down from the
-  /// first as long as PETSc's copy of the communicator lives.
-  const auto tag = [](MPI_Comm comm)
-  {
-    MPI_Comm copy = MPI_COMM_NULL;
-    PetscMPIInt found = 0;
-    PetscCommDuplicate(comm, &copy, &found);
-    PetscCommDestroy(&copy);
-    return found;
-  };
-  const auto V = square(1);
-  const MPI_Comm of_dofs = V->dofmap()->index_map->comm(), of_mesh = V->mesh()->comm();
-  CHECK(tag(of_dofs) == tag(of_dofs)); // each copy is a new one
-  dolfinx_impact::operators::keep_petsc_communicators(*V);
-  dolfinx_impact::operators::keep_petsc_communicators(*V); // once is enough
-  for (MPI_Comm comm : {of_dofs, of_mesh})
-  {
-    const PetscMPIInt first = tag(comm);
-    CHECK(tag(comm) == first - 1);
-    CHECK(tag(comm) == first - 2);
-  }
 }

@@ -40,6 +40,7 @@ class HistoryField:
     ) -> None:
         self.name, self.shape, self.degree = name, shape, degree
         self._mesh, self._read, self._write = mesh, read, write
+        self._nodes: fem.FunctionSpace | None = None  # of averages, made once
 
     def __repr__(self) -> str:
         what = "a number" if not self.shape else f"{self.shape[0]} components"
@@ -76,7 +77,9 @@ class HistoryField:
         Returns:
             Continuous function of degree 1, with as many components as the variable.
         """
-        out = Function(fem.functionspace(self._mesh, ("Lagrange", 1, self.shape)), name=self.name)
+        if self._nodes is None:
+            self._nodes = fem.functionspace(self._mesh, ("Lagrange", 1, self.shape))
+        out = Function(self._nodes, name=self.name)
         points, weights = basix.make_quadrature(self._mesh.basix_cell(), self.degree)
         values = np.ascontiguousarray(self._read()).ravel()
         averages = _cpp.operators.nodal_averages(

@@ -198,7 +198,7 @@ def _built_in(
     if len(set(places)) < len(places) or everywhere & tagged or any(tag == "otherwise" for _, tag in places):
         return []
     laws = frontend.laws_of(law)
-    place = {id(o): number for listed in (coefficients, constants) for number, o in enumerate(listed)}
+    place = {o: number for listed in (coefficients, constants) for number, o in enumerate(listed)}
     named: dict[str, ufl.Coefficient] = {}
     kernels: list[_cpp.kernels.Kernel] = []
     for integral in form.integrals():
@@ -217,10 +217,10 @@ def _built_in(
         kept = {o["coefficient"] for o in kernel.outputs}
         for number, c in enumerate(kernel.coefficients):  # kernels have one name for one function
             function = read[0][c["position"]]
-            if number not in kept and named.setdefault(c["name"], function) is not function:
+            if number not in kept and named.setdefault(c["name"], function) != function:
                 return []
-        of_functions = [place[id(read[0][c["position"]])] for c in kernel.coefficients]
-        of_constants = [place[id(read[1][c["position"]])] for c in kernel.constants]
+        of_functions = [place[read[0][c["position"]]] for c in kernel.coefficients]
+        of_constants = [place[read[1][c["position"]]] for c in kernel.constants]
         kernels.append(kernel.placed(tags, of_functions, of_constants))
     return kernels
 
