@@ -95,7 +95,7 @@ def test_each_integral_has_its_kernel_and_its_numbers(cell, degree, hypothesis):
 
 
 def test_constants_belong_to_their_integrals():
-    """Changed one by one, after the operator was made."""
+    """Changed one by one, after the operator was made; 1e-12 is round-off of sums of numbers up to 1e2."""
     body = Body()
     form = sum(load.form(body.u, body.v, body.materials) for load in body.loads[:2])
     operator = di.InternalForce(form)
@@ -147,7 +147,7 @@ def test_a_kernel_has_one_name_for_one_function():
         form += ufl.inner(law.stress(f), law.gradient(body.v)) * dx(tag)
     assert jit.find_form(form) is None
     operator = di.InternalForce(form)
-    np.testing.assert_allclose(operator.apply().array, by_ffcx(form), atol=1e-14)
+    np.testing.assert_allclose(operator.apply().array, by_ffcx(form), atol=1e-14)  # round-off of numbers of size one
 
 
 def test_a_form_without_kernels_is_not_compiled(monkeypatch):

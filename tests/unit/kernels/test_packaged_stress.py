@@ -51,7 +51,7 @@ def test_stress_is_the_expression_at_the_points(row):
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row.symbol)
 def test_force_beside_the_stress_is_the_force(row):
-    """The kernel is a force that writes the stress on the way."""
+    """The kernel is a force that writes the stress on the way; sums of numbers of size one in two orders."""
     _, u = box(row)
     material = MATERIALS[row.name.partition(".")[0]](20.0, 0.3, 1.0, row.hypothesis)
     stress = CauchyStress(u, material)

@@ -81,7 +81,8 @@ def test_no_loads():
 
 @pytest.mark.parametrize("name", [name for name in PLACES if name != "mass"])
 def test_a_body_under_each_load_is_in_equilibrium_with_it(name):
-    """Residual and tangent of the body, by kernels or by FFCx: those of the internal minus the external work."""
+    """Residual and tangent of the body, by kernels or by FFCx: those of the internal minus the external work, to
+    round-off of sums of numbers up to 30."""
     s = Square()
     load = s.load(name)
     V = s.u.function_space
