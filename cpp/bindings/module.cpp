@@ -40,6 +40,7 @@ NB_MODULE(_cpp, m)
   nb::module_ solve = m.def_submodule("solve", "Newton's method, linear systems and their solvers");
   dolfinx_impact::bindings::solve(solve);
   dolfinx_impact::bindings::mortar_contact(multipliers);
+  dolfinx_impact::bindings::tie(multipliers);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
   dolfinx_impact::bindings::newmark(integrators);
