@@ -46,6 +46,7 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::newmark(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
   dolfinx_impact::bindings::nodal(nodal);
+  dolfinx_impact::bindings::explicit_tie(nodal);
   nb::module_ rolling = m.def_submodule("rolling", "Steady rolling in the ALE frame");
   dolfinx_impact::bindings::rolling(rolling);
   nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "dolfinx_impact/enforcement/mortar/ExplicitTie.h"
 #include "dolfinx_impact/enforcement/mortar/Tie.h"
 #include "casters.h"
 #include "masks.h"
@@ -51,6 +52,9 @@ void bind_conditions(nb::module_& m)
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
       .def_prop_ro("nodes", [](const TieConditions& c) { return array(std::vector<std::int32_t>(c.nodes().begin(), c.nodes().end())); })
       .def_prop_ro("numbers", [](const TieConditions& c) { return array(std::vector<std::int64_t>(c.numbers().begin(), c.numbers().end())); })
+      .def_prop_ro("points", [](const TieConditions& c) { return by_node(c, c.points()); }, "Reference, (n, gdim) [L]")
+      .def_prop_ro("normal", [](const TieConditions& c) { return by_node(c, c.normal()); }, "Reference, (n, gdim)")
+      .def_prop_ro("size", &TieConditions::size, "Diagonal of the box around the bodies [L]")
       .def_prop_ro("num_free", &TieConditions::num_free, "Slave nodes of all ranks without a master")
       .def_prop_ro("area", [](const TieConditions& c) { return array(c.area()); }, "(n) [L^2]")
       .def_prop_ro("offset", [](const TieConditions& c) { return by_node(c, c.offset()); }, "(n, gdim) [L]")
@@ -79,4 +83,20 @@ void dolfinx_impact::bindings::tie(nb::module_& m)
       .def_prop_ro(
           "totals", [](Tie& c) -> ContactTotals& { return c.totals(); }, nb::rv_policy::reference_internal)
       .def("constraints", &Tie::constraints, "Constraints of all nodes for the linear system");
+}
+
+void dolfinx_impact::bindings::explicit_tie(nb::module_& m)
+{
+  nb::class_<ExplicitTie, NodalContact>(m, "ExplicitTie", "Two surfaces tied in an explicit problem")
+      .def(
+          "__init__",
+          [](ExplicitTie* self, std::shared_ptr<const FunctionSpace> V, const Facets& slave, const Facets& master,
+             const TieOptions& options, Mask fixed)
+          { new (self) ExplicitTie(std::move(V), slave, master, options, owned(fixed)); },
+          nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
+      .def_prop_ro("conditions", &ExplicitTie::conditions, nb::rv_policy::reference_internal)
+      .def_prop_ro("traction", [](const ExplicitTie& c) { return by_node(c.conditions(), c.traction()); },
+                   "Of the last step, (n, gdim) [F/L^2]")
+      .def("forces", [](const ExplicitTie& c) { return take(c.forces()); },
+           "Nodal forces of the last step on both surfaces, owned [F]. Collective");
 }

@@ -17,7 +17,7 @@ using operators::check;
 namespace
 {
 /// Of positions.
-constexpr double position_round_off = 4 * std::numeric_limits<double>::epsilon();
+constexpr double round_off_of_positions = 4 * std::numeric_limits<double>::epsilon();
 } // namespace
 
 Tie::Tie(std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave, surface::Facets master,
@@ -39,6 +39,14 @@ Tie::Tie(std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
 void Tie::leave_out(std::span<const std::int8_t> taken)
 {
   _conditions.leave_out(taken);
+}
+
+void Tie::assign(std::span<const double> multipliers)
+{
+  if (multipliers.size() != _multipliers.size())
+    throw std::invalid_argument("a multiplier of every node and direction is needed");
+  std::ranges::copy(multipliers, _multipliers.begin());
+  _pressure = along_normal(traction());
 }
 
 // --- load steps ------------------------------------------------------------------------------------------------------
@@ -247,7 +255,7 @@ double Tie::gap_round_off() const
   const std::vector<double> x = points();
   for (std::size_t i = 0; i < _stiffness.size(); ++i)
   {
-    const double force = _stiffness[i] * position_round_off * std::sqrt(dot(&x[i * g], &x[i * g], int(g)));
+    const double force = _stiffness[i] * round_off_of_positions * std::sqrt(dot(&x[i * g], &x[i * g], int(g)));
     squared += force * force;
   }
   return std::sqrt(common::sum(_conditions.comm(), squared));
@@ -303,19 +311,6 @@ std::vector<double> Tie::gap() const
 std::vector<double> Tie::pressure() const
 {
   return _pressure;
-}
-
-std::vector<double> Tie::traction() const
-{
-  const Constraints& rows = _conditions.rows();
-  const std::size_t g = _conditions.gdim();
-  std::vector<double> out(_multipliers.size(), 0.0);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    for (std::size_t a = 0; a < g; ++a)
-      for (std::size_t d = 0; d < g; ++d)
-        out[rows.rows[k] * g + a] +=
-            _conditions.directions()[(k * g + a) * g + d] * _multipliers[rows.rows[k] * g + d];
-  return out;
 }
 
 std::vector<double> Tie::slip() const

@@ -24,6 +24,8 @@ public:
   const TieConditions& conditions() const { return _conditions; }
   /// See TieConditions::leave_out. Collective.
   void leave_out(std::span<const std::int8_t> taken);
+  /// Set the multipliers, by direction [F/L^2].
+  void assign(std::span<const double> multipliers);
   const ContactTotals& totals() const { return _totals; }
   ContactTotals& totals() { return _totals; }
 
@@ -60,7 +62,7 @@ public:
   std::vector<double> normal() const override { return _normal; }
   /// Negative where the tie pulls [F/L^2].
   std::vector<double> pressure() const override;
-  std::vector<double> traction() const override;
+  std::vector<double> traction() const override { return _conditions.traction(_multipliers); }
   std::vector<double> slip() const override;
   std::vector<ContactStatus> status() const override;
   std::vector<double> weight() const override { return _conditions.area(); }

@@ -306,6 +306,17 @@ std::vector<double> TieConditions::forces(std::span<const double> z) const
   return operators::values_of(v.result);
 }
 
+std::vector<double> TieConditions::traction(std::span<const double> z) const
+{
+  const std::size_t g = gdim();
+  std::vector<double> out(_nodes.size() * g, 0.0);
+  for (std::size_t k = 0; k < _rows.size(); ++k)
+    for (std::size_t a = 0; a < g; ++a)
+      for (std::size_t d = 0; d < g; ++d)
+        out[_rows.rows[k] * g + a] += _directions[(k * g + a) * g + d] * z[_rows.rows[k] * g + d];
+  return out;
+}
+
 std::vector<double> TieConditions::rigid_body_products(const operators::RigidBodyModes& modes) const
 {
   const int num = modes.num_modes();

@@ -73,6 +73,8 @@ public:
   /// Nodal forces C^T z on both surfaces, owned [F]. Collective.
   /// @param[in] z multipliers, [i*gdim + d] [F/L^2]
   std::vector<double> forces(std::span<const double> z) const;
+  /// Tractions on the slave that multipliers stand for, [i*gdim + c] [F/L^2].
+  std::vector<double> traction(std::span<const double> z) const;
   /// Products of the conditions applied to rigid body modes, see StaticContact. Collective.
   std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const;
   /// Slave and master nodes of this rank, owned and ghosts: marks. Collective.

@@ -4,6 +4,7 @@
 #include "../../operators/nodal_sums.h"
 #include <algorithm>
 #include <stdexcept>
+#include <unordered_set>
 
 namespace dolfinx_impact::enforcement
 {
@@ -11,28 +12,15 @@ namespace
 {
 typedef std::vector<std::int8_t> Marks; ///< of owned and ghost nodes
 
-/// Nodes of a contact's surfaces. Collective.
-Marks surfaces(const MortarContact& contact)
+/// Nodes of a contact's surfaces, or of its slave alone. Collective.
+Marks nodes_of(const MortarContact& contact, bool master)
 {
   const auto map = contact.geometry().map();
   std::vector<double> sums(map->size_local() + map->num_ghosts(), 0.0);
   for (const surface::Facets* side : {&contact.geometry().slave(), contact.geometry().master()})
-    if (side)
+    if (side && (master || side == &contact.geometry().slave()))
       for (std::int32_t node : side->nodes)
         sums[node] = 1.0;
-  sums = operators::sum_over_ranks(map, std::move(sums), 1);
-  Marks out(sums.size());
-  std::ranges::transform(sums, out.begin(), [](double s) { return s > 0.0; });
-  return out;
-}
-
-/// Slave nodes of a contact. Collective.
-Marks slaves(const MortarContact& contact)
-{
-  const auto map = contact.geometry().map();
-  std::vector<double> sums(map->size_local() + map->num_ghosts(), 0.0);
-  for (std::int32_t node : contact.geometry().slave().nodes)
-    sums[node] = 1.0;
   sums = operators::sum_over_ranks(map, std::move(sums), 1);
   Marks out(sums.size());
   std::ranges::transform(sums, out.begin(), [](double s) { return s > 0.0; });
@@ -47,12 +35,18 @@ bool meet(MPI_Comm comm, const Marks& a, const Marks& b)
     here = here || (a[k] && b[k]);
   return common::largest(comm, here) > 0.0;
 }
-} // namespace
-
-bool connect(std::span<Tie* const> ties, std::span<MortarContact* const> contacts)
+/// Have two surfaces a facet in common, on any rank? Collective.
+bool overlap(MPI_Comm comm, const surface::Facets& a, const surface::Facets& b)
 {
-  if (ties.empty())
-    return false;
+  const std::unordered_set<std::int64_t> ids(b.id.begin(), b.id.end());
+  return common::largest(comm, std::ranges::any_of(a.id, [&](std::int64_t id) { return ids.contains(id); })) > 0.0;
+}
+
+/// Refuse ties that hold each other's surfaces, and leave out of each what an earlier one holds. Collective.
+/// @returns whether slave nodes of one belong to another
+template <typename T>
+bool separate(std::span<T* const> ties)
+{
   const MPI_Comm comm = ties[0]->conditions().comm();
   bool shared = false;
   for (std::size_t a = 0; a < ties.size(); ++a)
@@ -61,31 +55,20 @@ bool connect(std::span<Tie* const> ties, std::span<MortarContact* const> contact
       if (a == b)
         continue;
       const TieConditions &one = ties[a]->conditions(), &other = ties[b]->conditions();
-      const bool same = meet(comm, one.marks(true, false), other.marks(true, false)),
-                 chained = meet(comm, one.marks(true, false), other.marks(false, true));
-      shared = shared || same || chained;
-      const auto facets = [](const surface::Facets& first, const surface::Facets& second)
-      {
-        return std::ranges::any_of(first.id, [&](std::int64_t id) { return std::ranges::count(second.id, id) > 0; });
-      };
-      const bool crossed = common::largest(comm, facets(one.slave(), other.master())) > 0.0,
-                 back = common::largest(comm, facets(one.master(), other.slave())) > 0.0;
+      shared = meet(comm, one.marks(true, false), other.marks(true, true)) || shared;
+      const bool crossed = overlap(comm, one.slave(), other.master()), back = overlap(comm, one.master(), other.slave()),
+                 twice = overlap(comm, one.slave(), other.slave()) && overlap(comm, one.master(), other.master());
+      const std::string names = one.options().name + " and " + other.options().name;
       if (crossed && back)
-        throw std::invalid_argument(ties[a]->name() + " and " + ties[b]->name() +
-                                    ": the slave of each is the master of the other; one tie holds both: leave one out");
+        throw std::invalid_argument(names + ": the slave of each is the master of the other; one tie holds both: leave "
+                                            "one out");
+      if (twice)
+        throw std::invalid_argument(names + " tie the same surfaces twice: leave one out");
     }
-  for (const MortarContact* contact : contacts)
-  {
-    const Marks all = surfaces(*contact), own = slaves(*contact);
-    for (const Tie* tie : ties)
-      shared = shared || meet(comm, tie->conditions().marks(true, false), all) ||
-               meet(comm, tie->conditions().marks(false, true), own);
-  }
   // A node that several ties hold has the conditions of the first; the others' functions go to their neighbours.
-  const auto& conditions = ties[0]->conditions();
-  const std::size_t g = conditions.gdim();
-  Marks taken(std::size_t(conditions.space().dofmap()->index_map->size_local()) * g, 0);
-  for (Tie* tie : ties)
+  const std::size_t g = ties[0]->conditions().gdim();
+  Marks taken(std::size_t(ties[0]->conditions().space().dofmap()->index_map->size_local()) * g, 0);
+  for (T* tie : ties)
   {
     const Constraints& rows = tie->conditions().rows();
     bool here = false;
@@ -102,5 +85,30 @@ bool connect(std::span<Tie* const> ties, std::span<MortarContact* const> contact
               kept.constrained[k * g + d] && tie->conditions().directions()[(k * g + c) * g + d] != 0.0;
   }
   return shared;
+}
+} // namespace
+
+bool connect(std::span<Tie* const> ties, std::span<MortarContact* const> contacts)
+{
+  if (ties.empty())
+    return false;
+  const MPI_Comm comm = ties[0]->conditions().comm();
+  bool shared = separate(ties);
+  for (const MortarContact* contact : contacts)
+  {
+    const Marks all = nodes_of(*contact, true), own = nodes_of(*contact, false);
+    for (const Tie* tie : ties)
+    {
+      shared = meet(comm, tie->conditions().marks(true, false), all) || shared;
+      shared = meet(comm, tie->conditions().marks(false, true), own) || shared;
+    }
+  }
+  return shared;
+}
+
+void connect(std::span<ExplicitTie* const> ties)
+{
+  if (!ties.empty())
+    separate(ties);
 }
 } // namespace dolfinx_impact::enforcement

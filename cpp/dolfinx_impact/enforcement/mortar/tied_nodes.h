@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "ExplicitTie.h"
 #include "MortarContact.h"
 #include "Tie.h"
 
@@ -12,4 +13,6 @@ namespace dolfinx_impact::enforcement
 /// @returns whether a tied node belongs to another tie or contact, so that multipliers cannot be condensed
 /// @throws std::invalid_argument on all ranks, if each of two ties has the other's slave for its master
 bool connect(std::span<Tie* const> ties, std::span<MortarContact* const> contacts);
+/// The same for the ties of an explicit problem, whose forces are solved for together.
+void connect(std::span<ExplicitTie* const> ties);
 } // namespace dolfinx_impact::enforcement

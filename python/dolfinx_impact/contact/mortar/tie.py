@@ -10,7 +10,9 @@ from ... import _cpp
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import BoolArray, FloatArray, IntArray
+from ..explicit.tied import ExplicitTie
 from ..pair import ContactPair, check_pair, check_quadrature_degree
+from ..protocol import ExplicitContactProblem
 from ..static_view import StaticContactView
 from .lagrange import BASES
 
@@ -94,6 +96,9 @@ class Tie(Fixed):
 
     def _bind(self, problem: Any) -> "TieContact":
         return TieContact(self, problem)
+
+    def _bind_explicit(self, problem: ExplicitContactProblem) -> ExplicitTie:
+        return ExplicitTie(self.pair, problem, self.options_in_cpp(problem.axisymmetric))
 
 
 class TieContact(StaticContactView):

@@ -31,6 +31,7 @@ from ...common.collective import agree, attempt, comm_of, guard
 from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
 from ...common.unique import claim
+from ...contact.mortar.tie import Tie
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
@@ -240,7 +241,7 @@ class NewmarkProblem(TransientProblem):
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for bc in bcs:
             self.fixed[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
-        pairs = [c.pair for c in contact]
+        pairs = [c.pair for c in contact if not isinstance(c, Tie)]  # tied surfaces do not strike each other
         surface = MassRedistribution(V, pairs) if pairs and impact == "mass_redistribution" else None
         owned = self.fixed[: self.num_owned]
         self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, owned, added_masses(loads))
