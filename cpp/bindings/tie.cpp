@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "dolfinx_impact/enforcement/mortar/ExplicitTie.h"
 #include "dolfinx_impact/enforcement/mortar/Tie.h"
+#include "dolfinx_impact/enforcement/mortar/ExplicitTie.h"
+#include "dolfinx_impact/enforcement/mortar/adjust_tie.h"
 #include "casters.h"
 #include "masks.h"
 #include "petsc_objects.h"
@@ -66,6 +67,8 @@ void bind_conditions(nb::module_& m)
       .def(
           "forces", [](const TieConditions& c, Array z) { return take(c.forces(view(z))); }, nb::arg("z"),
           "C^T z, owned [F]. Collective");
+  m.def("adjust_tie", &adjust_tie, nb::arg("mesh"), nb::arg("conditions"),
+        "Move the slave's nodes by what the surfaces are apart. Returns the largest motion [L]. Collective");
 }
 } // namespace
 

@@ -48,6 +48,7 @@ from .rules import (
     shape_functions,
 )
 from .sparse import Csr
+from .tie import Tie, TieSolution
 
 __all__ = [
     "Contact",
@@ -76,6 +77,8 @@ __all__ = [
     "RollingSolution",
     "Spinning",
     "StaticSolution",
+    "Tie",
+    "TieSolution",
     "Translating",
     "contact",
     "default_rule",

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Level contact: gaps, forces, tangents and mortar integrals on random facing patches, then whole solutions."""
+"""Level contact: gaps, forces, tangents and mortar integrals on random facing patches, then whole solutions, of ties
+too."""
 
 import numpy as np
 
-from . import contact_patch, contact_static
+from . import contact_patch, contact_static, tied
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -32,6 +33,7 @@ def run(report: Report, progress: bool = True) -> None:
             for geometry_degree in (1, 2):
                 patches(report, cell, hypothesis, degree, geometry_degree)
     contact_static.run(report)
+    tied.run(report)
 
 
 def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_degree: int, seed: int = 1) -> None:

@@ -49,11 +49,18 @@ std::span<const std::int32_t> ExplicitTie::required_nodes(operators::Halo& all)
 {
   _positions.resize(_columns.size());
   all.map().global_to_local(_columns, _positions);
-  _needed = _positions;
-  std::ranges::sort(_needed);
-  _needed.erase(std::ranges::unique(_needed).begin(), _needed.end());
-  if (!_needed.empty() && _needed.front() < 0)
+  if (std::ranges::any_of(_positions, [](std::int32_t node) { return node < 0; }))
     throw std::invalid_argument(_conditions.options().name + ": a node of a tie is not among those of the Halo");
+  // Nodes that other ranks need are their owners' too.
+  std::vector<double> needed(all.num_nodes(), 0.0);
+  for (std::int32_t node : _positions)
+    needed[node] = 1.0;
+  const std::vector<double> here = needed;
+  all.reverse(needed, 1);
+  _needed.clear();
+  for (std::int32_t node = 0; node < all.num_nodes(); ++node)
+    if (node < all.num_owned() ? needed[node] > 0.0 : here[node] > 0.0)
+      _needed.push_back(node);
   return _needed;
 }
 

@@ -55,12 +55,15 @@ TieSystem::TieSystem(std::vector<const TieConditions*> ties, std::span<const dou
   MPI_Allgather(&mine, 1, MPI_INT, _counts.data(), 1, MPI_INT, _comm);
   _starts.assign(size, 0);
   std::partial_sum(_counts.begin(), _counts.end() - 1, _starts.begin() + 1);
+  // PETSc takes the rows of a submatrix in ascending order; those of a rank are tie after tie.
   const std::vector<std::int64_t> wide = common::gather(_comm, std::vector<std::int64_t>(_rows.begin(), _rows.end()));
-  const std::vector<PetscInt> all(wide.begin(), wide.end());
-  _b.assign(all.size(), 0.0);
-  _z.assign(all.size(), 0.0);
+  std::vector<PetscInt> all(wide.begin(), wide.end());
+  std::ranges::sort(all);
+  for (std::int64_t row : wide)
+    _order.push_back(std::size_t(std::ranges::lower_bound(all, PetscInt(row)) - all.begin()));
+  for (std::vector<double>* values : {&_received, &_b, &_z})
+    values->assign(all.size(), 0.0);
 
-  // PETSc takes rows of a submatrix in any order, its columns too.
   IS rows = nullptr;
   Mat* parts = nullptr;
   check(ISCreateGeneral(PETSC_COMM_SELF, PetscInt(all.size()), all.data(), PETSC_COPY_VALUES, &rows), "rows are named");
@@ -104,9 +107,12 @@ void TieSystem::solve(std::span<const double> b, std::span<double> z)
 {
   int rank = 0;
   MPI_Comm_rank(_comm, &rank);
-  MPI_Allgatherv(b.data(), int(_rows.size()), MPI_DOUBLE, _b.data(), _counts.data(), _starts.data(), MPI_DOUBLE, _comm);
+  MPI_Allgatherv(b.data(), int(_rows.size()), MPI_DOUBLE, _received.data(), _counts.data(), _starts.data(), MPI_DOUBLE, _comm);
+  for (std::size_t k = 0; k < _order.size(); ++k)
+    _b[_order[k]] = _received[k];
   check(MatSolve(_factors, _right, _solution), "the forces of ties are solved for");
-  std::copy_n(_z.data() + _starts[rank], _rows.size(), z.begin());
+  for (std::size_t k = 0; k < _rows.size(); ++k)
+    z[k] = _z[_order[_starts[rank] + k]];
 }
 
 std::vector<double> TieSystem::project(std::span<const double> v)

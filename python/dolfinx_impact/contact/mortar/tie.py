@@ -2,9 +2,11 @@
 """Tied surfaces whose meshes need not match: mortar conditions of the reference configuration; docs/tie.md."""
 
 import functools
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from dolfinx.fem import FunctionSpace
+from mpi4py import MPI
 
 from ... import _cpp
 from ...common.collective import comm_of, guard
@@ -17,6 +19,20 @@ from ..static_view import StaticContactView
 from .lagrange import BASES
 
 DIRECTIONS = ("all", "normal")
+PASSES = 50  # of adjust; each leaves some percent of what the one before has moved
+ROUND_OFF = 1e-14  # of the bodies' size
+
+
+class Adjusted(NamedTuple):
+    """What `Tie.adjust` has moved.
+
+    Attributes:
+        number: nodes of all ranks that moved [1].
+        largest: largest motion of a node [L].
+    """
+
+    number: int
+    largest: float
 
 
 class Tie(Fixed):
@@ -93,6 +109,38 @@ class Tie(Fixed):
             basis=getattr(_cpp.gap.Multipliers, self.basis), quadrature_degree=self.quadrature_degree,
             search_distance=self.pair.search_distance or 0.0, axisymmetric=axisymmetric,
         )  # fmt: skip
+
+    def adjust(self, V: FunctionSpace) -> Adjusted:
+        """Move the slave's nodes of the mesh onto the master, in the mean over each node's function, so that rigid
+        rotations give no force. Call it before problems are made: the mesh changes in place. Collective.
+
+        Args:
+            V: displacement space, of the degree of the mesh's geometry.
+
+        Returns:
+            What was moved.
+
+        Raises:
+            ValueError: slave nodes without a master, or nodes of displacements that are not those of the geometry.
+            RuntimeError: the surfaces do not come together in 50 passes. On all ranks.
+        """
+        mesh, none = V.mesh, np.zeros(V.dofmap.index_map_bs, dtype=bool)
+        map_ = V.dofmap.index_map
+        fixed = np.tile(none, map_.size_local + map_.num_ghosts)
+        before, size = mesh.geometry.x.copy(), 0.0
+        for _ in range(PASSES):
+            slave, master = self.pair.surfaces(V)
+            conditions = _cpp.multipliers.TieConditions(
+                V._cpp_object, slave, master, self.options_in_cpp(False), fixed
+            )
+            size = conditions.size
+            if _cpp.multipliers.adjust_tie(mesh._cpp_object, conditions) <= ROUND_OFF * size:
+                break
+        else:
+            raise RuntimeError(f"{self.pair.name}: the slave's nodes still move after {PASSES} passes of adjust")
+        moved = np.linalg.norm(mesh.geometry.x - before, axis=1)[: mesh.geometry.index_map().size_local]
+        number = mesh.comm.allreduce(int(np.count_nonzero(moved > ROUND_OFF * size)), MPI.SUM)
+        return Adjusted(number, mesh.comm.allreduce(float(moved.max(initial=0.0)), MPI.MAX))
 
     def _bind(self, problem: Any) -> "TieContact":
         return TieContact(self, problem)
