@@ -23,6 +23,7 @@ void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
 void gap(nanobind::module_& m);
 void enforcement(nanobind::module_& m);
+void interface_law(nanobind::module_& m);
 void mortar_contact(nanobind::module_& m);
 void tie(nanobind::module_& m);
 void explicit_tie(nanobind::module_& m);

@@ -4,7 +4,7 @@ too."""
 
 import numpy as np
 
-from . import contact_patch, contact_static, tied
+from . import contact_patch, contact_static, interface_laws, tied
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -33,6 +33,7 @@ def run(report: Report, progress: bool = True) -> None:
             for geometry_degree in (1, 2):
                 patches(report, cell, hypothesis, degree, geometry_degree)
     contact_static.run(report)
+    interface_laws.run(report)
     tied.run(report)
 
 

@@ -63,9 +63,9 @@ class NodalPair(ContactOutput):
     Args:
         pair: the pair of surfaces.
         problem: the problem.
-        law: C++ class of the contact, NodePenalty or KinematicContact.
+        law: C++ class of the contact, NodePenalty, NodeLaw or KinematicContact.
         by_step: springs without a given penalty follow from masses and time step instead of the bodies' stiffness.
-        options: kept as `parameters`, those of the C++ class.
+        options: kept as `parameters`, those of the C++ class; `law` of NodeLaw is an InterfaceLaw.
 
     Attributes:
         nodes: owned slave nodes, (n).
@@ -104,7 +104,7 @@ class NodalPair(ContactOutput):
         self,
         pair: ContactPair,
         problem: ExplicitContactProblem,
-        law: type[_cpp.nodal.NodePenalty] | type[_cpp.nodal.KinematicContact],
+        law: type[_cpp.nodal.NodePenalty] | type[_cpp.nodal.NodeLaw] | type[_cpp.nodal.KinematicContact],
         by_step: bool = False,
         **options: Any,
     ) -> None:
@@ -128,7 +128,10 @@ class NodalPair(ContactOutput):
         met = master or self.obstacle
         assert met is not None  # one of the two
         self._surfaces = slave, met
-        by_class = options if law is _cpp.nodal.KinematicContact else {**options, "by_step": by_step}
+        by_class = {**options, "by_step": by_step} if law is _cpp.nodal.NodePenalty else dict(options)
+        if law is _cpp.nodal.NodeLaw:
+            by_class["law"] = options["law"].in_cpp(V)
+            self.parameters = {**options, "law": repr(options["law"])}
         self._cpp_object = self._make(**by_class)
         self._sides = self._cpp_object.directions
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
@@ -150,6 +153,8 @@ class NodalPair(ContactOutput):
 
     @property
     def kind(self) -> str:
+        if self._law is _cpp.nodal.NodeLaw:
+            return "NodeLaw"
         return "KinematicContact" if self.kinematic else "PenaltyContact"
 
     def facets(self) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | _cpp.gap.Rigid]:
