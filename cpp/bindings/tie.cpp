@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "dolfinx_impact/enforcement/mortar/Tie.h"
+#include "casters.h"
 #include "dolfinx_impact/enforcement/mortar/ExplicitTie.h"
 #include "dolfinx_impact/enforcement/mortar/adjust_tie.h"
-#include "casters.h"
 #include "masks.h"
 #include "petsc_objects.h"
 #include <nanobind/stl/optional.h>
@@ -35,8 +35,8 @@ void bind_conditions(nb::module_& m)
           [](TieOptions* self, std::string name, bool normal_only, bool partial, Multipliers basis,
              std::optional<int> quadrature_degree, double search_distance, bool axisymmetric)
           {
-            new (self)
-                TieOptions{std::move(name), normal_only, partial, basis, quadrature_degree, search_distance, axisymmetric};
+            new (self) TieOptions{std::move(name),   normal_only,     partial,     basis,
+                                  quadrature_degree, search_distance, axisymmetric};
           },
           nb::kw_only(), nb::arg("name") = "tie", nb::arg("normal_only") = false, nb::arg("partial") = false,
           nb::arg("basis") = Multipliers::dual, nb::arg("quadrature_degree") = nb::none(),
@@ -51,14 +51,20 @@ void bind_conditions(nb::module_& m)
              const TieOptions& options, Mask fixed)
           { new (self) TieConditions(std::move(V), slave, master, options, owned(fixed)); },
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
-      .def_prop_ro("nodes", [](const TieConditions& c) { return array(std::vector<std::int32_t>(c.nodes().begin(), c.nodes().end())); })
-      .def_prop_ro("numbers", [](const TieConditions& c) { return array(std::vector<std::int64_t>(c.numbers().begin(), c.numbers().end())); })
-      .def_prop_ro("points", [](const TieConditions& c) { return by_node(c, c.points()); }, "Reference, (n, gdim) [L]")
-      .def_prop_ro("normal", [](const TieConditions& c) { return by_node(c, c.normal()); }, "Reference, (n, gdim)")
+      .def_prop_ro("nodes", [](const TieConditions& c)
+                   { return array(std::vector<std::int32_t>(c.nodes().begin(), c.nodes().end())); })
+      .def_prop_ro("numbers", [](const TieConditions& c)
+                   { return array(std::vector<std::int64_t>(c.numbers().begin(), c.numbers().end())); })
+      .def_prop_ro(
+          "points", [](const TieConditions& c) { return by_node(c, c.points()); }, "Reference, (n, gdim) [L]")
+      .def_prop_ro(
+          "normal", [](const TieConditions& c) { return by_node(c, c.normal()); }, "Reference, (n, gdim)")
       .def_prop_ro("size", &TieConditions::size, "Diagonal of the box around the bodies [L]")
       .def_prop_ro("num_free", &TieConditions::num_free, "Slave nodes of all ranks without a master")
-      .def_prop_ro("area", [](const TieConditions& c) { return array(c.area()); }, "(n) [L^2]")
-      .def_prop_ro("offset", [](const TieConditions& c) { return by_node(c, c.offset()); }, "(n, gdim) [L]")
+      .def_prop_ro(
+          "area", [](const TieConditions& c) { return array(c.area()); }, "(n) [L^2]")
+      .def_prop_ro(
+          "offset", [](const TieConditions& c) { return by_node(c, c.offset()); }, "(n, gdim) [L]")
       .def_prop_ro("rows", &TieConditions::rows, nb::rv_policy::reference_internal)
       .def_prop_ro("matrix", &TieConditions::matrix, nb::rv_policy::reference, "C, kept by this object")
       .def(
@@ -98,8 +104,10 @@ void dolfinx_impact::bindings::explicit_tie(nb::module_& m)
           { new (self) ExplicitTie(std::move(V), slave, master, options, owned(fixed)); },
           nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("fixed"), "Collective")
       .def_prop_ro("conditions", &ExplicitTie::conditions, nb::rv_policy::reference_internal)
-      .def_prop_ro("traction", [](const ExplicitTie& c) { return by_node(c.conditions(), c.traction()); },
-                   "Of the last step, (n, gdim) [F/L^2]")
-      .def("forces", [](const ExplicitTie& c) { return take(c.forces()); },
-           "Nodal forces of the last step on both surfaces, owned [F]. Collective");
+      .def_prop_ro(
+          "traction", [](const ExplicitTie& c) { return by_node(c.conditions(), c.traction()); },
+          "Of the last step, (n, gdim) [F/L^2]")
+      .def(
+          "forces", [](const ExplicitTie& c) { return take(c.forces()); },
+          "Nodal forces of the last step on both surfaces, owned [F]. Collective");
 }

@@ -79,9 +79,7 @@ class Tie:
         multipliers[self.nodes] = z.reshape(-1, self.gdim)
         return TieSolution(u, multipliers, self.conditions.T @ z)
 
-    def run_explicit(
-        self, velocity: ArrayLike, dt: float, steps: int, fixed_dofs: ArrayLike = ()
-    ) -> list[TieSolution]:
+    def run_explicit(self, velocity: ArrayLike, dt: float, steps: int, fixed_dofs: ArrayLike = ()) -> list[TieSolution]:
         """Central differences of linear bodies without loads from rest in place: accelerations M a = C^T z - K u, with
         the z that keeps C a = 0, from a dense solution in every step.
 

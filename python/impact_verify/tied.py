@@ -65,12 +65,14 @@ def at_rest(report: Report, case: Case) -> None:
     ours = StaticProblem(body.u, cast(_Material, body.material), bcs=supports.bcs, contact=[spec])
     ours.solve(rtol=1e-13, progress=False)
     theirs = _theirs(body, _degree(body)).solve_static(*supports.theirs(pull))
-    row = Rows(report, body, "tied blocks, pulled apart")
     tie = ours.contact[0]
-    row("tied_static", body.u.x.array, body.to_ours(theirs.u), TOLERANCE, REASON, "; u")
-    row("tied_static", tie.contact_forces(), body.to_ours(theirs.force), TOLERANCE, REASON, "; forces of the tie")
     traction = body.nodal_to_ours(theirs.multipliers)[tie.nodes]
-    row("tied_static", tie.traction, traction, TOLERANCE, REASON, "; tractions")
+    for what, a, b in (
+        ("u", body.u.x.array, body.to_ours(theirs.u)),
+        ("contact force", tie.contact_forces(), body.to_ours(theirs.force)),
+        ("traction", tie.traction, traction),
+    ):
+        Rows(report, body, f"{what} of tied blocks that are pulled apart")("tied_static", a, b, TOLERANCE, REASON)
 
 
 def in_time(report: Report, case: Case) -> None:
@@ -94,11 +96,11 @@ def in_time(report: Report, case: Case) -> None:
     dt = 0.5 * ours.stable_step()
     start = ours.velocity.x.array.copy()  # without what contradicts the tie
     theirs = _theirs(body, _degree(body)).run_explicit(body.to_theirs(start), dt, STEPS, body.order[fixed])
-    row = Rows(report, body, "tied blocks that vibrate")
     tie = ours.contact[0]
     for step in (1, STEPS):
         ours.advance(until=step * dt, dt=dt, progress=False)
         found = theirs[step - 1]
-        row("tied_history", body.u.x.array, body.to_ours(found.u), TOLERANCE, REASON, f"; u after step {step}")
         traction = body.nodal_to_ours(found.multipliers)[tie.nodes]
-        row("tied_history", tie.traction, traction, TOLERANCE, REASON, f"; tractions in step {step}")
+        for what, a, b in (("u", body.u.x.array, body.to_ours(found.u)), ("traction", tie.traction, traction)):
+            name = f"{what} of tied blocks that vibrate, step {step}"
+            Rows(report, body, name)("tied_history", a, b, TOLERANCE, REASON)

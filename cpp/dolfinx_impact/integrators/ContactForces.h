@@ -14,8 +14,9 @@
 namespace dolfinx_impact::integrators
 {
 /// The contacts of all pairs of a run: their candidates, rigid masters that move, and their forces. Springs act at a
-/// time level and are part of the residual; kinematic contact corrects what an update has predicted, and ties correct it
-/// last. Candidates, nodes and forces are those of the directions of the pairs; resultants, passages and obstacles are told by pair.
+/// time level and are part of the residual; kinematic contact corrects what an update has predicted, and ties correct
+/// it last. Candidates, nodes and forces are those of the directions of the pairs; resultants, passages and obstacles
+/// are told by pair.
 class ContactForces
 {
 public:

@@ -382,8 +382,8 @@ void ExplicitProblem::start_tied()
   enforcement::TieSystem system(std::move(ties), inverse);
   const double apart = system.largest_jump(common::array(*_u->x()).first(num_owned()));
   if (apart > tied_start * size)
-    throw common::BadValue("the displacement at the start moves tied surfaces apart by " +
-                           common::text("%.3e", apart) + ": ties hold from the reference configuration on; start from "
+    throw common::BadValue("the displacement at the start moves tied surfaces apart by " + common::text("%.3e", apart) +
+                           ": ties hold from the reference configuration on; start from "
                            "zero, or from a static problem with the same ties");
   const std::span<double> v = common::array(*_v->x()).first(num_owned());
   const std::vector<double> allowed = system.project(v);

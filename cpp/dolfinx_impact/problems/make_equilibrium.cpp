@@ -85,12 +85,11 @@ make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_
   const std::string common = options.prefix.empty() ? prefix : options.prefix;
   const bool shared = enforcement::connect(multipliers), tied = enforcement::connect(ties, multipliers);
   const bool condense = condenses(options, common);
-  p.keeps_multipliers =
-      shared || tied || ((!multipliers.empty() || !ties.empty()) && !condense) ||
-      std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
-                          { return contact->options().basis != gap::Multipliers::dual; }) ||
-      std::ranges::any_of(ties, [](const enforcement::Tie* tie)
-                          { return tie->conditions().options().basis != gap::Multipliers::dual; });
+  p.keeps_multipliers = shared || tied || ((!multipliers.empty() || !ties.empty()) && !condense) ||
+                        std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
+                                            { return contact->options().basis != gap::Multipliers::dual; }) ||
+                        std::ranges::any_of(ties, [](const enforcement::Tie* tie)
+                                            { return tie->conditions().options().basis != gap::Multipliers::dual; });
   p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, common, p.keeps_multipliers,
                                                           options.limits, options.warn);
   mark_as_read(p.linear_solver->prefix());

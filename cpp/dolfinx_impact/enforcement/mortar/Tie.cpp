@@ -96,8 +96,7 @@ void Tie::accept_step()
                                       .covered = whole});
   // Multipliers of nodes with prescribed components act on their neighbours: forces and moments are those at the nodes.
   const std::size_t g = _conditions.gdim();
-  const std::vector<double> forces = contact_forces(),
-                            rest = _conditions.space().tabulate_dof_coordinates(false);
+  const std::vector<double> forces = contact_forces(), rest = _conditions.space().tabulate_dof_coordinates(false);
   const std::vector<std::int8_t> slave = _conditions.marks(true, false);
   std::array<double, 6> sums{};
   for (std::size_t node = 0; node < forces.size() / g; ++node)
@@ -218,7 +217,7 @@ void Tie::update_linearised_gap(std::span<const double> increments)
 }
 
 std::pair<std::vector<double>, std::vector<double>> Tie::linearised_response(std::span<const double> increments,
-                                                                            std::span<const double>) const
+                                                                             std::span<const double>) const
 {
   return {along_normal(_conditions.jump(increments)), std::vector<double>(_pressure.size(), 0.0)};
 }

@@ -100,14 +100,14 @@ private:
   std::vector<double> along_normal(std::span<const double> values) const;
 
   TieConditions _conditions;
-  std::vector<double> _multipliers;   ///< by direction
-  std::vector<double> _u;             ///< owned and ghosts [L]
-  std::vector<double> _jump;          ///< at u, by direction [L]
-  std::vector<double> _target;        ///< prescribed displacements at the end of the increment; empty: as they are
-  std::vector<double> _normal;        ///< in the present configuration
-  std::vector<double> _pressure;      ///< along it
-  std::vector<double> _linearised;    ///< jumps of the linearised problem along the normal [L]
-  std::vector<double> _stiffness;     ///< of the bodies at the nodes [F/L]
+  std::vector<double> _multipliers; ///< by direction
+  std::vector<double> _u;           ///< owned and ghosts [L]
+  std::vector<double> _jump;        ///< at u, by direction [L]
+  std::vector<double> _target;      ///< prescribed displacements at the end of the increment; empty: as they are
+  std::vector<double> _normal;      ///< in the present configuration
+  std::vector<double> _pressure;    ///< along it
+  std::vector<double> _linearised;  ///< jumps of the linearised problem along the normal [L]
+  std::vector<double> _stiffness;   ///< of the bodies at the nodes [F/L]
   std::vector<std::int8_t> _active, _sliding, _fixed;
   ContactTotals _totals;
 };

@@ -97,8 +97,8 @@ void TieConditions::find_nodes()
   std::vector<std::string> words;
   for (std::int64_t number : numbers)
     words.push_back(std::to_string(number));
-  const std::string first = "the first at " + common::places(places, int(g)) + " (nodes " +
-                            common::joined(words, ", ") + " of all ranks)";
+  const std::string first =
+      "the first at " + common::places(places, int(g)) + " (nodes " + common::joined(words, ", ") + " of all ranks)";
   if (tied == 0)
     throw std::invalid_argument(_options.name + ": none of the " + std::to_string(_num_free) +
                                 " slave nodes has a master to be tied to, " + first +

@@ -85,8 +85,9 @@ TieSystem::TieSystem(std::vector<const TieConditions*> ties, std::span<const dou
     if (!code)
       code = MatFactorGetError(_factors, &fault);
     if (code || fault != MAT_FACTOR_NOERROR)
-      throw std::runtime_error("the conditions of the ties imply each other: leave common nodes out of one of the tags" +
-                               (code ? " (" + error.text() + ")" : std::string()));
+      throw std::runtime_error(
+          "the conditions of the ties imply each other: leave common nodes out of one of the tags" +
+          (code ? " (" + error.text() + ")" : std::string()));
   }
   check(ISDestroy(&order), "an order is destroyed");
   check(ISDestroy(&other), "an order is destroyed");
@@ -107,7 +108,8 @@ void TieSystem::solve(std::span<const double> b, std::span<double> z)
 {
   int rank = 0;
   MPI_Comm_rank(_comm, &rank);
-  MPI_Allgatherv(b.data(), int(_rows.size()), MPI_DOUBLE, _received.data(), _counts.data(), _starts.data(), MPI_DOUBLE, _comm);
+  MPI_Allgatherv(b.data(), int(_rows.size()), MPI_DOUBLE, _received.data(), _counts.data(), _starts.data(), MPI_DOUBLE,
+                 _comm);
   for (std::size_t k = 0; k < _order.size(); ++k)
     _b[_order[k]] = _received[k];
   check(MatSolve(_factors, _right, _solution), "the forces of ties are solved for");

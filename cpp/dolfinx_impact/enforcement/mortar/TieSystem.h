@@ -38,11 +38,11 @@ private:
   MPI_Comm _comm;
   std::vector<const TieConditions*> _ties;
   std::vector<double> _inverse_mass;
-  std::vector<PetscInt> _rows;      ///< degrees of freedom whose rows of C are this rank's unknowns
+  std::vector<PetscInt> _rows;       ///< degrees of freedom whose rows of C are this rank's unknowns
   std::vector<int> _counts, _starts; ///< of the unknowns of all ranks
-  std::vector<std::size_t> _order;  ///< places in S of the unknowns, rank after rank
-  std::vector<double> _received;    ///< right-hand sides, rank after rank
-  std::vector<double> _b, _z;       ///< of all ranks, in the order of S
+  std::vector<std::size_t> _order;   ///< places in S of the unknowns, rank after rank
+  std::vector<double> _received;     ///< right-hand sides, rank after rank
+  std::vector<double> _b, _z;        ///< of all ranks, in the order of S
   Mat _factors = nullptr;
   Vec _right = nullptr, _solution = nullptr; ///< views of `_b` and `_z`
 };

@@ -56,7 +56,8 @@ bool separate(std::span<T* const> ties)
         continue;
       const TieConditions &one = ties[a]->conditions(), &other = ties[b]->conditions();
       shared = meet(comm, one.marks(true, false), other.marks(true, true)) || shared;
-      const bool crossed = overlap(comm, one.slave(), other.master()), back = overlap(comm, one.master(), other.slave()),
+      const bool crossed = overlap(comm, one.slave(), other.master()),
+                 back = overlap(comm, one.master(), other.slave()),
                  twice = overlap(comm, one.slave(), other.slave()) && overlap(comm, one.master(), other.master());
       const std::string names = one.options().name + " and " + other.options().name;
       if (crossed && back)

@@ -10,9 +10,11 @@ namespace dolfinx_impact::integrators
 {
 namespace
 {
-constexpr double aimed_residual = 1e-14;  ///< relative residual: round-off
-constexpr double accepted_residual = 1e-10; ///< relative residual that is accepted where round-off does not let it get there
-constexpr int most_tied_iterations = 500;        ///< iterations; the condition of a surface's matrix does not depend on its mesh
+constexpr double aimed_residual = 1e-14; ///< relative residual: round-off
+constexpr double accepted_residual =
+    1e-10; ///< relative residual that is accepted where round-off does not let it get there
+constexpr int most_tied_iterations =
+    500; ///< iterations; the condition of a surface's matrix does not depend on its mesh
 
 typedef std::vector<std::vector<double>> Multipliers; ///< of each tie
 

@@ -14,8 +14,8 @@ struct TiedRates
   std::vector<std::vector<double>> multipliers; ///< of each tie, by direction: of accelerations [F/L^2]
 };
 
-/// Remove from accelerations or velocities what ties forbid: a + M^-1 C^T z with C of it zero, where C M^-1 C^T z = -C a
-/// is solved by conjugate gradients; docs/tie.md. Collective.
+/// Remove from accelerations or velocities what ties forbid: a + M^-1 C^T z with C of it zero, where C M^-1 C^T z = -C
+/// a is solved by conjugate gradients; docs/tie.md. Collective.
 /// @param[in] fixed mask of prescribed degrees of freedom
 /// @param[in] rates owned values
 /// @throws common::Failure if the iterations do not converge

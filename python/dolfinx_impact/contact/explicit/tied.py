@@ -8,6 +8,7 @@ from mpi4py import MPI
 
 from ... import _cpp
 from ...common.types import FloatArray, IntArray
+from ..nodal_sum import NodalSum
 from ..output import ContactOutput
 from ..pair import ContactPair, ContactStatus
 from ..protocol import ExplicitContactProblem
@@ -58,6 +59,11 @@ class ExplicitTie(ContactOutput):
         conditions = self.tie.conditions
         self.nodes, self.weight = conditions.nodes, conditions.area
         self._X, self.normal = conditions.points, conditions.normal
+        # A rank may own nodes of the slave without having a facet of it.
+        nodes = V.dofmap.index_map
+        marks = np.zeros((nodes.size_local + nodes.num_ghosts, 1))
+        marks[slave.nodes] = 1.0
+        self._slave = np.flatnonzero(NodalSum(nodes, 1)(marks)[: nodes.size_local, 0] > 0.0)
         self.traction = np.zeros_like(self._X)
 
     @property
@@ -110,9 +116,7 @@ class ExplicitTie(ContactOutput):
         self.traction = self.tie.traction
         # Nodal forces on the slave, with what multipliers of prescribed nodes give to their neighbours.
         forces = self.tie.forces().reshape(-1, g)
-        slave = np.unique(self._surfaces[0].nodes)
-        own = slave[slave < len(forces)]
-        f = forces[own]
+        own, f = self._slave, forces[self._slave]
         x = self.problem.space.tabulate_dof_coordinates()[own, :g] + self.problem.u.x.array.reshape(-1, g)[own]
         moment = (x[:, 0] * f[:, 1] - x[:, 1] * f[:, 0])[:, None] if g == 2 else np.cross(x, f)
         totals = np.concatenate([f.sum(axis=0), moment.sum(axis=0), [self.weight.sum()]])

@@ -121,18 +121,19 @@ class Tie(Fixed):
             What was moved.
 
         Raises:
+            TypeError: V is no function space.
             ValueError: slave nodes without a master, or nodes of displacements that are not those of the geometry.
             RuntimeError: the surfaces do not come together in 50 passes. On all ranks.
         """
-        mesh, none = V.mesh, np.zeros(V.dofmap.index_map_bs, dtype=bool)
-        map_ = V.dofmap.index_map
-        fixed = np.tile(none, map_.size_local + map_.num_ghosts)
+        with guard(comm_of(self.pair), "Tie.adjust"):
+            if not isinstance(V, FunctionSpace):
+                raise TypeError(f"adjust takes the FunctionSpace of the displacement, found {type(V).__name__}")
+        mesh, nodes = V.mesh, V.dofmap.index_map
+        fixed = np.zeros((nodes.size_local + nodes.num_ghosts) * V.dofmap.index_map_bs, dtype=bool)
         before, size = mesh.geometry.x.copy(), 0.0
         for _ in range(PASSES):
             slave, master = self.pair.surfaces(V)
-            conditions = _cpp.multipliers.TieConditions(
-                V._cpp_object, slave, master, self.options_in_cpp(False), fixed
-            )
+            conditions = _cpp.multipliers.TieConditions(V._cpp_object, slave, master, self.options_in_cpp(False), fixed)
             size = conditions.size
             if _cpp.multipliers.adjust_tie(mesh._cpp_object, conditions) <= ROUND_OFF * size:
                 break

@@ -31,7 +31,7 @@ from ...common.collective import agree, attempt, comm_of, guard
 from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
 from ...common.unique import claim
-from ...contact.mortar.tie import Tie
+from ...contact.mortar.tie import Tie, TieContact
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
@@ -153,7 +153,7 @@ class NewmarkProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
+        contact: Lagrange | Penalty | Tie | Sequence[Lagrange | Penalty | Tie] = (),
         beta: float | None = None,
         gamma: float | None = None,
         rho_inf: float | None = None,
@@ -253,7 +253,9 @@ class NewmarkProblem(TransientProblem):
         damping_force = self._damping_force(resisting, bodies)
         loaded = load_forms(u, bodies, [load for load in self.loads if load not in springs])
         work = loaded.work()
-        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
+        self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
+            [c._bind(self) for c in contact]
+        )
         read = [form for form in (residual, work) if form is not None]
         self.inputs = Inputs(
             [c for form in read for c in form.constants()], [f for form in read for f in form.coefficients()],

@@ -8,6 +8,7 @@ import pytest
 from box_bodies import Boxes
 from dolfinx import fem
 from mpi4py import MPI
+from shared_folder import shared_folder
 from tied_boxes import BOTTOM, MASTER, SLAVE, TOP, boxes, curve, largest_error, linear, pair, prescribe, tie
 
 import dolfinx_impact as di
@@ -77,13 +78,22 @@ def check_linear_fields_pass():
 
 
 def check_bases_that_stay_in_the_system_pass_too():
+    """Pulled between planes of symmetry, so that every facet has a free corner."""
     for cell, basis in (("triangle", "standard"), ("tetrahedron", "linear")):
         m = boxes(cell, degree=2)
-        field = linear(m.dim)
-        problem = di.StaticProblem(m.u, m.law, bcs=prescribe(m, field), contact=[tie(m, basis=basis)])
+        up = m.dim - 1
+        bcs = m.hold(0, up, 0.0, up)
+        for axis in range(up):
+            bcs += m.hold(0, axis, 0.0, axis) + m.hold(1, axis, 0.0, axis)
+        problem = di.StaticProblem(
+            m.u, m.law, bcs=bcs, contact=[tie(m, basis=basis)],
+            loads=[di.Traction(m.tag, TOP, tuple(np.eye(m.dim)[up]))],
+        )  # fmt: skip
         problem.solve(progress=False)
-        assert problem.equilibrium.keeps_multipliers
-        assert largest_error(m, field) < PATCH, (cell, basis)
+        # E = 1000, nu = 0.3; plane strain in the plane.
+        strain = np.full(m.dim, -0.3 * (1.3 if m.dim == 2 else 1.0)) / 1000.0
+        strain[up] = (1.0 - 0.3**2 if m.dim == 2 else 1.0) / 1000.0
+        assert largest_error(m, lambda x: strain[:, None] * x[: m.dim]) < PATCH, (cell, basis)
 
 
 def pulled(cell, degree=1, options=None, force=1.0, **given):
@@ -107,9 +117,10 @@ def check_a_tie_alone_holds_a_body():
         assert np.allclose(m.support(problem), -load, atol=BALANCED)
         assert m.imbalance(problem) < BALANCED
         assert abs(c.area - 1.0) < 1e-12 and np.all(c.status == di.ContactStatus.stick)
-        # The tie pulls: pressures are negative, and their integral is the force along the normal.
-        total = float(m.sum((c.pressure * c.weight).sum()))
-        assert abs(total - (c.force @ (np.eye(m.dim)[-1] @ m.axes))) < BALANCED
+        # Tractions are forces per area; the tie pulls: pressures are negative.
+        assert np.allclose(m.sum((c.traction * c.weight[:, None]).sum(axis=0)), -load, atol=BALANCED)
+        assert np.allclose(c.pressure, np.einsum("ij,ij->i", c.traction, c.normal), atol=1e-14)
+        assert float(m.sum((c.pressure * c.weight).sum())) < -0.99
         assert largest(m, c.gap) < 1e-12 and largest(m, c.slip) == 0.0
         assert largest(m, c._cpp_object.conditions.jump(m.u.x.array[: owned(m)])) < 1e-14
 
@@ -117,8 +128,9 @@ def check_a_tie_alone_holds_a_body():
 def check_iterative_solvers_serve():
     m, problem, load = pulled("hexahedron", options={"ksp_type": "cg", "pc_type": "gamg", "ksp_rtol": 1e-12})
     problem.solve(progress=False)
-    assert not problem.equilibrium.keeps_multipliers
     assert np.allclose(problem.contact[0].force, -load, atol=BALANCED)
+    with pytest.raises(ValueError, match="saddle point"):  # another basis stays in the system
+        di.StaticProblem(m.u, m.law, contact=[tie(m, basis="standard")], options={"ksp_type": "cg", "pc_type": "gamg"})
 
 
 def check_ties_along_the_normal_let_slide():
@@ -132,12 +144,9 @@ def check_ties_along_the_normal_let_slide():
         )  # fmt: skip
         with pytest.raises(RuntimeError, match="not held against rigid motion"):
             problem.solve(progress=False)
-        # Slide the top by 0.1: nothing resists, and the normal force stays what it is.
-        top = fem.Function(m.V)
-        top.interpolate(lambda x: np.tile(0.1 * along[:, None], x.shape[1]) if m.dim == 2 else
-                        np.tile(0.1 * along[:, None], x.shape[1]))  # fmt: skip
+        # Slide the top by 0.1: nothing resists, and the normal force is that of the stretch alone.
         dofs = fem.locate_dofs_topological(m.V, m.dim - 1, m.tag.find(TOP))
-        m.u.x.array[:] = 0.0
+        m.u = fem.Function(m.V)
         lifted = fem.Function(m.V)
         lifted.interpolate(lambda x: np.tile((0.1 * along + 0.002 * up)[:, None], x.shape[1]))
         problem = di.StaticProblem(
@@ -200,9 +209,7 @@ def check_ties_meet_contacts_and_each_other():
             if case == "corner":
                 contact.append(di.Tie(di.ContactPair(tags, slave=7, master=6, name="third")))
             load = np.eye(dim)[up] * (-1.0 if case == "contact" else 1.0)
-            problem = di.StaticProblem(
-                m.u, m.law, bcs=bcs, loads=[di.Traction(tags, 5, tuple(load))], contact=contact
-            )
+            problem = di.StaticProblem(m.u, m.law, bcs=bcs, loads=[di.Traction(tags, 5, tuple(load))], contact=contact)
             problem.solve(progress=False)
             forces = sum(c.force for c in problem.contact[:2])
             assert np.allclose(forces + 2.0 * load, 0.0, atol=1e-8), (cell, case, forces)
@@ -217,10 +224,10 @@ def check_chains_of_ties():
     tags = m.tags({2 * k + s: (k, 0, float(k + s)) for k in range(4) for s in (0, 1)})
     ties = [di.Tie(di.ContactPair(tags, slave=2 * k + 2, master=2 * k + 1)) for k in range(3)]
     problem = di.StaticProblem(
-        m.u, m.law, bcs=m.hold(0, 0, 0.0, 0, 1), loads=[di.Traction(tags, 7, (1.0, 0.0))], contact=ties
-    )
+        m.u, m.law, bcs=m.hold(0, 0, 0.0, 0, 1), loads=[di.Traction(tags, 7, (1.0, 0.0))], contact=ties,
+        options={"ksp_type": "cg", "pc_type": "lu", "ksp_rtol": 1e-12},  # no node belongs to two ties: no saddle point
+    )  # fmt: skip
     problem.solve(progress=False)
-    assert not problem.equilibrium.keeps_multipliers  # no node belongs to two ties
     assert all(np.allclose(c.force, (-1.0, 0.0), atol=BALANCED) for c in problem.contact)
 
 
@@ -269,7 +276,7 @@ def check_the_stable_step_is_not_smaller():
     assert problem.stable_step("eigenvalue") == pytest.approx(alone, rel=1e-9)
     assert problem._cpp_object.lost_at_start > 0.0  # this velocity contradicts the tie: it is projected
     energy = problem.energy["total"]
-    problem.advance(until=0.99 * alone * 400, dt=0.99 * alone, progress=False)
+    problem.advance(until=0.99 * alone * 400, dt=0.99 * alone, unsafe=True, progress=False)  # beyond the cells' bound
     assert abs(problem.energy["total"] - energy) < 1e-10 * energy
 
 
@@ -282,9 +289,7 @@ def check_waves_pass():
     pulse = lambda s: np.where(np.abs(s - 0.5) < 0.2, np.cos(2.5 * np.pi * (s - 0.5)) ** 2, 0.0)
     m.u.interpolate(lambda x: np.array([-pulse_integral(x[0]) / c, 0.0 * x[0]]))
     v.interpolate(lambda x: np.array([pulse(x[0]), 0.0 * x[0]]))
-    problem = di.ExplicitProblem(
-        m.u, m.law, velocity=v, contact=[di.Tie(di.ContactPair(tags, slave=3, master=4))]
-    )
+    problem = di.ExplicitProblem(m.u, m.law, velocity=v, contact=[di.Tie(di.ContactPair(tags, slave=3, master=4))])
     problem.advance(until=1.0 / c, progress=False)
     arrived = fem.Function(m.V)
     arrived.interpolate(lambda x: np.array([pulse(x[0] - 1.0), 0.0 * x[0]]))
@@ -295,26 +300,23 @@ def check_waves_pass():
 def pulse_integral(x):
     """Integral of the pulse: a wave to the right has the velocity -c du/dx."""
     s = np.clip(x - 0.5, -0.2, 0.2)
-    return 0.5 * s + np.sin(5.0 * np.pi * s) / (10.0 * np.pi) - 0.1 * 0.0
+    return 0.5 * s + np.sin(5.0 * np.pi * s) / (10.0 * np.pi)
 
 
 def check_supports_at_tied_nodes_do_work():
-    """The master's body is prescribed to move: what its supports give the other body is external work."""
-    m = boxes("quadrilateral", slave=3, master=2)
-    dofs = fem.locate_dofs_geometrical(m.V, lambda x: x[1] < 1.0 + 1e-9)
-    lower = np.unique(np.concatenate([m.mesh.topology.connectivity(1, 2).links(f) for f in m.facets(0, 1, 0.0)] or
-                                     [np.zeros(0, dtype=np.int32)]))  # fmt: skip
-    del dofs, lower
-    moved = fem.Function(m.V)
-    moved.interpolate(lambda x: np.array([0.0 * x[0], 1.0 + 0.0 * x[0]]))
-    master = fem.locate_dofs_topological(m.V, 1, np.concatenate([m.tag.find(MASTER), m.tag.find(BOTTOM)]))
-    bc = di.PrescribedMotion(fem.dirichletbc(moved, master), lambda t: 0.01 * (1.0 - np.cos(20.0 * t)))
+    """The master's surface is prescribed to move: what its supports give the other body is external work."""
+    m = boxes("quadrilateral")
+    up = fem.Function(m.V)
+    up.interpolate(lambda x: np.array([0.0 * x[0], 1.0 + 0.0 * x[0]]))
+    dofs = fem.locate_dofs_topological(m.V, 1, np.concatenate([m.tag.find(MASTER), m.tag.find(BOTTOM)]))
+    bc = di.PrescribedMotion(fem.dirichletbc(up, dofs), lambda t: 0.01 * (1.0 - np.cos(20.0 * t)))
     problem = di.ExplicitProblem(m.u, m.law, bcs=[bc], contact=[tie(m)])
-    problem.advance(until=0.3, progress=False)
+    problem.advance(until=0.1, progress=False)
     e = problem.energy
     given = e["kinetic"] + e["internal"]
-    assert given > 1e-4 and abs(given - e["external"]) < 1e-2 * given and e["impact"] == 0.0
-    assert abs(e["drift"]) < 1e-2
+    assert given > 1e-4 and e["impact"] == 0.0
+    # Central differences keep the sum of energies up to terms of the square of the step.
+    assert abs(given - e["external"]) < 1e-2 * given, e
 
 
 def check_implicit_ties_conserve():
@@ -337,9 +339,7 @@ def check_static_states_go_on_in_time():
     """A load that a tie bears at rest: the explicit run from the equilibrium stays there."""
     m, static, load = pulled("quadrilateral")
     static.solve(progress=False)
-    problem = di.ExplicitProblem.from_static(
-        static, bcs=static.bcs, loads=static.loads, contact=[tie(m)]
-    )
+    problem = di.ExplicitProblem.from_static(static, bcs=static.bcs, loads=static.loads, contact=[tie(m)])
     problem.advance(until=50 * problem.stable_step(), progress=False)
     assert largest(m, problem.velocity.x.array) < 1e-9
     assert np.allclose(problem.contact[0].force, -load, atol=1e-8)
@@ -348,11 +348,9 @@ def check_static_states_go_on_in_time():
 # --- restart ---------------------------------------------------------------------------------------------------------
 
 
-def check_runs_go_on(tmp_path=None):
+def check_runs_go_on():
     """Static, explicit and implicit problems go on from checkpoints as if never stopped."""
-    import shared_folder
-
-    with shared_folder.shared_folder(COMM) as folder:
+    with shared_folder(COMM) as folder:
         m, static, _ = pulled("quadrilateral")
         static.solve(progress=False)
         static.save(folder / "static.h5")
@@ -394,7 +392,9 @@ def check_nodes_without_a_master_are_named():
     m = Boxes([((0.0, 0.0), (1.0, 1.0), (2, 2)), ((0.0, 1.0), (2.0, 2.0), (6, 2))], "quadrilateral")
     tags = m.tags({3: (1, 1, 1.0), 4: (0, 1, 1.0)})
     p = di.ContactPair(tags, slave=3, master=4, name="joint")
-    with pytest.raises(ValueError, match=r"joint: 3 of 7 slave nodes have no master .* \[\[1\.333333333, 1\.0\], .*partial"):
+    with pytest.raises(
+        ValueError, match=r"joint: 3 of 7 slave nodes have no master .* \[\[1\.333333333, 1\.0\], .*partial"
+    ):
         di.StaticProblem(m.u, m.law, contact=[di.Tie(p)])
     free = di.StaticProblem(m.u, m.law, bcs=m.hold(0, 1, 0.0, 0, 1), contact=[di.Tie(p, partial=True)])
     assert free.contact[0].num_free == 3 and int(m.sum(len(free.contact[0].nodes))) == 4
