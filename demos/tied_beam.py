@@ -1,7 +1,7 @@
 # # Two meshes that do not match: a beam of two parts
 #
-# A cantilever beam is meshed in two parts, coarse at the wall and fine at the tip, whose nodes do not meet at the joint.
-# `Tie` makes one beam of them. Beam theory knows what crosses the joint, at the distance $L - x$ from the load $P$ at
+# A cantilever beam is meshed in two parts, coarse at the wall and fine at the tip, whose nodes do not meet at the
+# joint. `Tie` makes one beam of them. Beam theory knows what crosses the joint, at the distance $L - x$ from the load $P$ at
 # the tip (per thickness, plane stress, height $h$):
 #
 # $$ \sigma_x = \frac{12\, P\,(L - x)\, y}{h^3}, \qquad
@@ -31,7 +31,7 @@ comm = MPI.COMM_WORLD
 x, c = np.vstack(points), np.vstack(cells)
 if comm.rank > 0:
     x, c = x[:0], c[:0]
-beam = mesh.create_mesh(comm, c, x, basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
+beam = mesh.create_mesh(comm, c, x=x, e=basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
 
 # ## Tags: both sides of the joint lie at the same place; the cell beside a facet tells which part it belongs to
 

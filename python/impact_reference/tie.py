@@ -43,7 +43,7 @@ class Tie:
         self.nodes = np.flatnonzero(found.participates)
         one = found.D.toarray()[self.nodes] - found.M.toarray()[self.nodes]
         #: rows of the conditions, node after node, component after component (num_nodes * gdim, num_dofs) [L^2]
-        self.conditions: FloatArray = np.kron(one, np.eye(self.gdim))
+        self.conditions: FloatArray = floats(np.kron(one, np.eye(self.gdim)))
 
     def solve_static(self, fixed_dofs: ArrayLike, values: ArrayLike, load: ArrayLike | None = None) -> TieSolution:
         """Solve the saddle point [K -C^T; C 0] of linear bodies.
@@ -96,11 +96,12 @@ class Tie:
         inverse = 1.0 / self.model.mass(lumped=True)
         inverse[integers(fixed_dofs, "fixed_dofs", 1)] = 0.0
         S = (C * inverse) @ C.T
-        u, v, out = np.zeros(self.model.num_dofs), vector(velocity).copy(), []
+        u: FloatArray = np.zeros(self.model.num_dofs)
+        v, out = vector(velocity).copy(), []
         v[inverse == 0.0] = 0.0
         for k in range(steps):
             internal = K @ u
-            z = np.linalg.solve(S, C @ (inverse * internal))
+            z = floats(np.linalg.solve(S, C @ (inverse * internal)))
             v += (dt if k else 0.5 * dt) * inverse * (C.T @ z - internal)
             u = u + dt * v
             out.append(self._solution(u, z))

@@ -23,7 +23,8 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
         given: further arguments of the explicit problem.
 
     Raises:
-        TypeError: `static` is no StaticProblem, an argument follows from it, or a contact is neither by penalty nor a tie.
+        TypeError: `static` is no StaticProblem, an argument follows from it, or a contact is neither by penalty nor a
+            tie.
         ValueError: the contacts are of other surfaces; a residual of one's own, whose density is not known.
     """
     if not isinstance(static, StaticProblem):

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "adjust_tie.h"
 #include "../../common/agree.h"
+#include "../../common/dolfinx_api.h"
 #include "../../common/gather.h"
 #include "../../operators/nodal_sums.h"
 #include <algorithm>
@@ -28,7 +29,7 @@ double adjust_tie(dolfinx::mesh::Mesh<double>& mesh, const TieConditions& condit
     largest = std::max(largest, std::sqrt(squared));
   }
   motion = operators::from_owners(map, std::move(motion), int(g));
-  const auto nodes = V.dofmap()->map(), points = mesh.geometry().dofmap();
+  const auto nodes = V.dofmap()->map(), points = common::geometry_dofmap(mesh);
   const std::span<double> x = mesh.geometry().x();
   const std::vector<double> own = V.tabulate_dof_coordinates(false);
   common::agree(conditions.comm(),

@@ -24,6 +24,7 @@ class ExplicitTie(ContactOutput):
         pair: the pair of surfaces.
         problem: the problem.
         options: of the tie in C++.
+        surfaces: this rank's facets of slave and master.
 
     Attributes:
         nodes: owned slave nodes, (n).
@@ -46,14 +47,16 @@ class ExplicitTie(ContactOutput):
     moment: FloatArray
 
     def __init__(
-        self, pair: ContactPair, problem: ExplicitContactProblem, options: _cpp.multipliers.TieOptions
+        self,
+        pair: ContactPair,
+        problem: ExplicitContactProblem,
+        options: _cpp.multipliers.TieOptions,
+        surfaces: tuple[_cpp.surface.Facets, _cpp.surface.Facets],
     ) -> None:
         self.pair, self.problem, self._options = pair, problem, options
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
-        slave, master = pair.surfaces(V)
-        assert master is not None  # pairs with rigid masters were refused
-        self._surfaces = slave, master
+        self._surfaces = slave, master = surfaces
         self.tie = _cpp.nodal.ExplicitTie(V._cpp_object, slave, master, options, problem.prescribed)
         self._cpp_object = _cpp.nodal.NodalPair([self.tie])
         conditions = self.tie.conditions

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from dolfinx.fem import FunctionSpace
+from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from ... import _cpp
@@ -19,7 +20,6 @@ from ..static_view import StaticContactView
 from .lagrange import BASES
 
 DIRECTIONS = ("all", "normal")
-PASSES = 50  # of adjust; each leaves some percent of what the one before has moved
 ROUND_OFF = 1e-14  # of the bodies' size
 
 
@@ -57,6 +57,8 @@ class Tie(Fixed):
         ValueError: other directions or another basis; a pair with a rigid master, friction, removed penetration or
             smooth surfaces. On all ranks.
     """
+
+    _adjusted: tuple[Mesh, int, tuple[_cpp.surface.Facets, _cpp.surface.Facets]] | None = None
 
     def __init__(
         self,
@@ -112,7 +114,8 @@ class Tie(Fixed):
 
     def adjust(self, V: FunctionSpace) -> Adjusted:
         """Move the slave's nodes of the mesh onto the master, in the mean over each node's function, so that rigid
-        rotations give no force. Call it before problems are made: the mesh changes in place. Collective.
+        rotations give no force. The conditions stay those of the surfaces before. Call it before problems are made: the
+        mesh changes in place. Collective.
 
         Args:
             V: displacement space, of the degree of the mesh's geometry.
@@ -123,31 +126,46 @@ class Tie(Fixed):
         Raises:
             TypeError: V is no function space.
             ValueError: slave nodes without a master, or nodes of displacements that are not those of the geometry.
-            RuntimeError: the surfaces do not come together in 50 passes. On all ranks.
+            On all ranks.
         """
         with guard(comm_of(self.pair), "Tie.adjust"):
             if not isinstance(V, FunctionSpace):
                 raise TypeError(f"adjust takes the FunctionSpace of the displacement, found {type(V).__name__}")
         mesh, nodes = V.mesh, V.dofmap.index_map
         fixed = np.zeros((nodes.size_local + nodes.num_ghosts) * V.dofmap.index_map_bs, dtype=bool)
-        before, size = mesh.geometry.x.copy(), 0.0
-        for _ in range(PASSES):
-            slave, master = self.pair.surfaces(V)
-            conditions = _cpp.multipliers.TieConditions(V._cpp_object, slave, master, self.options_in_cpp(False), fixed)
-            size = conditions.size
-            if _cpp.multipliers.adjust_tie(mesh._cpp_object, conditions) <= ROUND_OFF * size:
-                break
-        else:
-            raise RuntimeError(f"{self.pair.name}: the slave's nodes still move after {PASSES} passes of adjust")
+        slave, master = self.surfaces(V)
+        conditions = _cpp.multipliers.TieConditions(V._cpp_object, slave, master, self.options_in_cpp(False), fixed)
+        before = mesh.geometry.x.copy()
+        largest = _cpp.multipliers.adjust_tie(mesh._cpp_object, conditions)
         moved = np.linalg.norm(mesh.geometry.x - before, axis=1)[: mesh.geometry.index_map().size_local]
-        number = mesh.comm.allreduce(int(np.count_nonzero(moved > ROUND_OFF * size)), MPI.SUM)
-        return Adjusted(number, mesh.comm.allreduce(float(moved.max(initial=0.0)), MPI.MAX))
+        number = mesh.comm.allreduce(int(np.count_nonzero(moved > ROUND_OFF * conditions.size)), MPI.SUM)
+        self._adjusted = mesh, V.element.basix_element.degree, (slave, master)
+        return Adjusted(number, largest)
+
+    def surfaces(self, V: FunctionSpace) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets]:
+        """This rank's slave and master facets, those before `adjust` if it was called. Collective.
+
+        Args:
+            V: displacement space.
+
+        Raises:
+            ValueError: as ContactPair.surfaces, or another mesh or degree than those of `adjust`; on all ranks.
+        """
+        if self._adjusted is None:
+            slave, master = self.pair.surfaces(V)
+            assert master is not None  # pairs with rigid masters were refused
+            return slave, master
+        mesh, degree, found = self._adjusted
+        if V.mesh is not mesh or V.element.basix_element.degree != degree:
+            raise ValueError(f"{self.pair.name}: the tie was adjusted on another mesh or degree: make another Tie")
+        return found
 
     def _bind(self, problem: Any) -> "TieContact":
         return TieContact(self, problem)
 
     def _bind_explicit(self, problem: ExplicitContactProblem) -> ExplicitTie:
-        return ExplicitTie(self.pair, problem, self.options_in_cpp(problem.axisymmetric))
+        surfaces = self.surfaces(problem.space)
+        return ExplicitTie(self.pair, problem, self.options_in_cpp(problem.axisymmetric), surfaces)
 
 
 class TieContact(StaticContactView):
@@ -166,7 +184,7 @@ class TieContact(StaticContactView):
         num_free: slave nodes of all ranks without a master, left free [1].
     """
 
-    initial = None
+    initial = None  # type: ignore[assignment]
     has_multipliers = True
     all_in_cpp = True
     kind = "tie"  #: name of the method that enforces the contact
@@ -178,9 +196,7 @@ class TieContact(StaticContactView):
         self.spec = spec
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         self.gdim = problem.space.mesh.geometry.dim
-        slave, master = spec.pair.surfaces(problem.space)
-        assert master is not None  # pairs with rigid masters were refused
-        self._surfaces = slave, master
+        self._surfaces = slave, master = spec.surfaces(problem.space)
         self._cpp_object = _cpp.multipliers.Tie(
             problem.space._cpp_object, slave, master, spec.options_in_cpp(problem.axisymmetric), problem.fixed,
         )  # fmt: skip
