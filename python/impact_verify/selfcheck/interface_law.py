@@ -160,6 +160,11 @@ def derivative(subject: LawSubject) -> Found:
     state = subject.start()
     for k in range(1, STEPS // 2):
         state, _ = subject.advanced(state, gaps[k], slips[k], dt)
+    # In the middle of the next increment: at the end of one, points are on the limit that they have slipped at.
+    half = 0.5 * dt
+    gap, slip = (0.5 * (x[STEPS // 2 - 1] + x[STEPS // 2]) for x in (gaps, slips))
+    rates = (gap - state.gap) / half, (slip - state.slip) / half
+    state = State(gap, slip, *rates, state.normal, state.history, state.fields)
     inputs = {"gap": subject.length, "slip": subject.length, "gap_rate": subject.velocity}
     inputs |= {"slip_rate": subject.velocity}
     worst, whole = 0.0, subject.evaluate(state)

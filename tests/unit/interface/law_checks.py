@@ -54,11 +54,11 @@ def check_pressure_of_a_gap():
             # The lower block is squeezed sideways at its held foot: the pressure is uniform to what that leaves.
             assert report.converged and np.allclose(contact.force[-1], load, rtol=1e-9), (cell, contact.force)
             assert np.all(np.abs(contact.gap - exact) < 1e-6 * exact), (cell, contact.gap, exact)
-            # The work of the pressure counts as stored: the area under the law's curve, from the start to here.
-            stored = c * (load - p0 * np.exp(-0.01 / c))
+            # The work of the pressure counts as stored: of one increment, by the trapezoidal rule.
+            stored = -0.5 * (p0 * np.exp(-0.01 / c) + load) * (exact - 0.01)
             found = contact.stored_energy()
             assert abs(contact.dissipated) < 1e-12 * load
-            assert abs(found - stored) < 0.1 * abs(stored), (found, stored)  # one increment by the trapezoidal rule
+            assert abs(found - stored) < 1e-6 * abs(stored), (found, stored)
 
 
 def check_work_in_small_increments():
@@ -116,7 +116,8 @@ def check_a_bond_breaks_with_its_energy():
             work -= 0.5 * (force + last)[component] * 2.4e-3 / steps
             last = force.copy()
         contact = problem.contact[0]
-        assert np.allclose(contact.force, 0.0, atol=1e-9) and np.all(contact.status == 0)
+        assert np.allclose(contact.force, 0.0, atol=1e-9)
+        assert np.all(contact.status != di.ContactStatus.stick) and (component == 0 or np.all(contact.status == 0))
         # The trapezoidal rule of 24 increments over a triangle.
         assert abs(contact.dissipated - energy) < 0.02 * energy, (contact.dissipated, energy)
         assert abs(contact.stored_energy()) < 1e-12
@@ -172,7 +173,7 @@ def check_fields_of_both_sides():
     problem.solve()
     assert np.allclose(problem.contact[0].pressure, 35.0, rtol=1e-12)
     run = di.ExplicitProblem(fem.Function(blocks.V), stiff(2), contact=[di.Penalty(blocks.pair(), law=law)])
-    run.advance(steps=1, progress=False)
+    run.advance(until=1e-6, dt=1e-6, progress=False)
     assert np.allclose(run.contact[0].pressure[run.contact[0].status > 0], 35.0, rtol=1e-12)
 
 
@@ -245,12 +246,12 @@ def check_restart_of_explicit_runs():
         path = MPI.COMM_WORLD.bcast(Path(folder) / "run.h5", root=0)
         for stops in (False, True):
             run = _thrown_apart()
-            run.advance(steps=60, dt=2e-5, progress=False, energy_limits=None)
+            run.advance(until=60 * 2e-5, dt=2e-5, progress=False, energy_limits=None)
             if stops:
                 run.save(path)
                 run = _thrown_apart()
                 run.restore(path)
-            run.advance(steps=120, dt=2e-5, progress=False, energy_limits=None)
+            run.advance(until=180 * 2e-5, dt=2e-5, progress=False, energy_limits=None)
             found.append((run.u.x.array.copy(), run.energy, run.contact[0].traction.copy()))
         MPI.COMM_WORLD.barrier()
     (u, energy, traction), (other, again, back) = found

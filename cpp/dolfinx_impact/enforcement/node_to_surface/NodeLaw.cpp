@@ -152,8 +152,10 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
   // Work of the tractions by the trapezoidal rule, as the integrator counts it.
   turn(D, n, _last_shear.data() + i * D, last);
   const double along = dot(n, motion, D);
-  double normal_work = -0.5 * (_last_pressure[i] + pressure) * along, shear_work = 0.0;
-  for (int c = 0; c < D; ++c)
+  double normal_work = 0.0, shear_work = 0.0;
+  if (_begun)
+    normal_work = -0.5 * (_last_pressure[i] + pressure) * along;
+  for (int c = 0; c < D && _begun; ++c)
     shear_work -= 0.5 * (last[c] + shear[c]) * (motion[c] - along * n[c]);
   const double shear_stored = _tractions.shear_energy.empty() ? 0.0 : _tractions.shear_energy[p];
   const double stored = _law->has_energy() ? _tractions.energy[p]
@@ -161,7 +163,8 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
                                                  (_tractions.shear_energy.empty()
                                                       ? shear_work
                                                       : shear_stored - _last_shear_stored[i]);
-  const double dissipated = area * (normal_work + shear_work - (stored - _last_stored[i]));
+  // What is stored where the run begins was not done by it.
+  const double dissipated = _begun ? area * (normal_work + shear_work - (stored - _last_stored[i])) : 0.0;
   if (_law->has_shear())
     _energy.friction += dissipated;
   else
@@ -215,6 +218,7 @@ void NodeLaw::add_all(const NodalState& state, std::span<double> f)
     add_point<D>(p, state, f);
   for (InterfaceHistory::Variable& v : _history.variables)
     std::ranges::copy(v.updated, v.committed.begin());
+  _begun = true;
   // Zero again for the next step.
   const auto masters = _tracker.master_nodes();
   for (std::size_t k = 0; k < masters.size(); ++k)
@@ -294,6 +298,7 @@ double NodeLaw::added_damping_rate(std::span<const double> mass) const
 void NodeLaw::add_to(state::State& saved) const
 {
   using state::Place;
+  saved.add_own("law_begun", Place::rank, std::vector<double>{double(_begun)});
   saved.add_own("law_pressure", Place::node, _last_pressure);
   saved.add_own("law_shear", Place::node, _last_shear, _gdim);
   saved.add_own("law_normal", Place::node, _last_normal, _gdim);
@@ -308,6 +313,7 @@ void NodeLaw::resume_nodes(const state::State& saved)
 {
   const auto set = [&saved](const std::string& name, std::vector<double>& to)
   { std::ranges::copy(saved.values<double>(name), to.begin()); };
+  _begun = saved.values<double>("law_begun")[0] > 0.0; // a sum over ranks where the ranks are others
   set("law_pressure", _last_pressure);
   set("law_shear", _last_shear);
   set("law_normal", _last_normal);

@@ -54,6 +54,7 @@ private:
 
   std::shared_ptr<const InterfaceLaw> _law;
   InterfaceHistory _history; ///< by slave node
+  bool _begun = false; ///< was there a step?
   // Of the last step, by slave node.
   std::vector<double> _last_pressure, _last_shear, _last_normal, _last_motion, _last_stored, _last_shear_stored;
   // Of the present step, by node in reach.

@@ -56,7 +56,8 @@ void LawPoints::evaluate(const gap::Points& points, const Motion& motion, const 
   }
   _points.resize(num);
   _knows_gap.resize(num);
-  _increment.resize(num * gdim);
+  for (std::vector<double>* values : {&_increment, &_slip_before, &_slip_turned})
+    values->resize(num * gdim);
   _shear.resize(num * gdim);
   const double per_step = time_step > 0.0 ? 1.0 / time_step : 0.0;
   for (std::size_t q = 0; q < points.size(); ++q)
@@ -71,8 +72,9 @@ void LawPoints::evaluate(const gap::Points& points, const Motion& motion, const 
     const double along = dot(n, moved, gdim);
     _knows_gap[p] = std::isfinite(_last_gap[q]);
     _points.gap_rate[p] = per_step * (_knows_gap[p] ? _points.gap[p] - _last_gap[q] : along);
-    double turned[3];
-    turn(gdim, n, motion.slip.data() + q * gdim, turned);
+    double* turned = _slip_turned.data() + p * gdim;
+    std::copy_n(motion.slip.data() + q * gdim, gdim, _slip_before.data() + p * gdim);
+    turn(gdim, n, _slip_before.data() + p * gdim, turned);
     for (int c = 0; c < gdim; ++c)
     {
       const double slip = moved[c] - along * n[c];
@@ -176,11 +178,7 @@ void LawPoints::traction_derivative(std::size_t q, const Variation& v, const dou
   }
   if (!_tractions.by_slip.values.empty())
   {
-    // The slip before the increment, turned, is what is left without the increment's own.
-    double before[3];
-    for (int c = 0; c < gdim; ++c)
-      before[c] = _points.slip[p * gdim + c] - (increment[c] - along * n[c]);
-    turn_derivative(gdim, n, before, before, num, v.d_normal, turned);
+    turn_derivative(gdim, n, _slip_before.data() + p * gdim, _slip_turned.data() + p * gdim, num, v.d_normal, turned);
     for (int i = 0; i < gdim * num; ++i)
       slip[i] = turned[i] + moved[i];
     add_product(_tractions.by_slip, p, gdim, num, slip, out);
@@ -245,6 +243,26 @@ double LawPoints::energy(std::span<const double> weight) const
   return out;
 }
 
+/// The last evaluation of a point becomes its last converged state.
+void LawPoints::keep(std::size_t q, double stored)
+{
+  const std::int32_t p = _place[q];
+  _last_stored[q] = stored;
+  _last_shear_stored[q] = p < 0 || _tractions.shear_energy.empty() ? 0.0 : _tractions.shear_energy[p];
+  _last_gap[q] = p < 0 ? std::numeric_limits<double>::infinity() : _points.gap[p];
+  _last_pressure[q] = pressure(q);
+  for (int c = 0; c < _gdim; ++c)
+    _last_shear[q * _gdim + c] = p < 0 ? 0.0 : _shear[p * _gdim + c];
+}
+
+void LawPoints::begin()
+{
+  for (std::size_t q = 0; q < _place.size(); ++q)
+    keep(q, _place[q] >= 0 && _law->has_energy() ? _tractions.energy[_place[q]] : 0.0);
+  _begun = 1.0;
+  _accepted = true;
+}
+
 double LawPoints::accept(std::span<const double> weight)
 {
   double dissipated = 0.0;
@@ -255,13 +273,7 @@ double LawPoints::accept(std::span<const double> weight)
     const double now = stored(q);
     const Work done = work(q);
     dissipated += weight[q] * (done.normal + done.shear - (now - _last_stored[q]));
-    _last_stored[q] = now;
-    const std::int32_t p = _place[q];
-    _last_shear_stored[q] = p < 0 || _tractions.shear_energy.empty() ? 0.0 : _tractions.shear_energy[p];
-    _last_gap[q] = p < 0 ? std::numeric_limits<double>::infinity() : _points.gap[p];
-    _last_pressure[q] = pressure(q);
-    for (int c = 0; c < _gdim; ++c)
-      _last_shear[q * _gdim + c] = p < 0 ? 0.0 : _shear[p * _gdim + c];
+    keep(q, now);
   }
   _history.commit();
   return dissipated;
@@ -275,12 +287,13 @@ void LawPoints::resume()
       _tractions.pressure[p] = _last_pressure[q];
       turn(_gdim, _points.normal.data() + p * _gdim, _last_shear.data() + q * _gdim, _shear.data() + p * _gdim);
     }
+  _begun = 1.0;
   _accepted = true;
 }
 
 std::vector<std::string> LawPoints::names() const
 {
-  std::vector<std::string> out{"law_gap", "law_pressure", "law_shear", "law_energy", "law_shear_energy"};
+  std::vector<std::string> out{"law_begun", "law_gap", "law_pressure", "law_shear", "law_energy", "law_shear_energy"};
   for (const InterfaceHistory::Variable& v : _history.variables)
     out.push_back("law variable " + v.name);
   return out;
@@ -289,6 +302,7 @@ std::vector<std::string> LawPoints::names() const
 void LawPoints::add_to(state::State& out, std::size_t per_facet)
 {
   using state::Place;
+  out.add("law_begun", Place::all, _begun);
   out.add("law_gap", Place::facet, _last_gap, per_facet);
   out.add("law_pressure", Place::facet, _last_pressure, per_facet);
   out.add("law_shear", Place::facet, _last_shear, per_facet * _gdim);

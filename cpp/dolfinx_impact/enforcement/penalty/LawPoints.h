@@ -58,6 +58,10 @@ public:
   void traction_derivative(std::size_t q, const Variation& v, const double* n, const double* increment,
                            const double* d_increment, double* dz) const;
 
+  /// Is there a last converged state?
+  bool has_begun() const { return _begun != 0.0; }
+  /// The state of the last evaluation is that of the start, without work.
+  void begin();
   /// Energy stored at the points, weighted: this rank's part [F L].
   double energy(std::span<const double> weight) const;
   /// The state of the last evaluation becomes the last converged one.
@@ -82,6 +86,7 @@ private:
   };
   Work work(std::size_t q) const;
   double stored(std::size_t q) const;
+  void keep(std::size_t q, double stored);
 
   std::shared_ptr<const InterfaceLaw> _law;
   int _gdim;
@@ -95,7 +100,9 @@ private:
   InterfaceTractions _tractions;
   std::vector<double> _shear;     ///< along the surface [F/L^2]
   std::vector<double> _increment; ///< [L]
+  std::vector<double> _slip_before, _slip_turned; ///< slip of the last converged state, and in the present tangent plane
   std::vector<std::int8_t> _knows_gap; ///< does the rate of the gap follow from the last gap?
+  double _begun = 0.0; ///< one after `begin`; a number, as it is saved
   bool _accepted = true;               ///< is the last evaluation the last converged state?
 };
 } // namespace dolfinx_impact::enforcement

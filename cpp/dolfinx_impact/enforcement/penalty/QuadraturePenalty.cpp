@@ -222,6 +222,13 @@ void QuadraturePenalty::begin_step(std::span<const double> u, const std::optiona
     for (std::size_t q = 0; q < now.size(); ++q)
       _forces.history.gap[q] = _touched[q] || now[q] <= touch * _size ? 0.0 : now[q];
   }
+  if (LawPoints* law = _forces.law(); law && !law->has_begun())
+  {
+    // The traction that the law has where the first increment begins.
+    locate(_start);
+    _forces.evaluate(std::vector<double>(_start.size(), 0.0), {});
+    law->begin();
+  }
   if (displacement)
   {
     _start_displacement = _displacement;
@@ -427,7 +434,7 @@ void QuadraturePenalty::resume(const state::State& saved, std::span<const double
   // A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
   _resumed_status = _last_status = std::move(status);
   _gap_before = facing_gap();
-  _totals.resume(saved, slip());
+  _totals.resume(saved, _forces.law() ? std::vector<double>(at().normal.size(), 0.0) : slip());
 }
 
 /// Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none.
