@@ -260,7 +260,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def_prop_ro("directions",
                    [](const NodalPair& self)
                    {
-                     nb::typed<nb::list, NodeToSurface> out; // as which Python makes them
+                     nb::typed<nb::list, NodalContact> out;
                      for (const auto& contact : self.directions())
                        out.append(contact);
                      return out;

@@ -388,6 +388,7 @@ void bind_explicit(nb::module_& m)
           nb::arg("u"), nb::arg("velocity"), nb::arg("acceleration"), nb::arg("body"), nb::arg("supports"),
           nb::arg("loads"), nb::arg("contacts"), nb::arg("scheme"), "Collective; `start` computes the first forces")
       .def_prop_ro("time", &ExplicitProblem::time)
+      .def_prop_ro("lost_at_start", &ExplicitProblem::lost_at_start, "Kinetic energy that ties have taken [F L]")
       .def_prop_ro("step", &ExplicitProblem::step)
       .def_prop_ro("next_time", [](const ExplicitProblem& self) { return self.stepper().next_time(); })
       .def_prop_ro("nominal_step", [](const ExplicitProblem& self) { return self.stepper().nominal_step(); })

@@ -23,6 +23,7 @@ from .contact import (
     RigidPlane,
     RigidSphere,
     RigidSurface,
+    Tie,
 )
 from .dynamics.explicit import ExplicitProblem
 from .dynamics.implicit.newmark_problem import NewmarkProblem
@@ -94,6 +95,7 @@ __all__ = [
     "RigidPlane",
     "RigidSphere",
     "RigidSurface",
+    "Tie",
     "_cpp",
     "cache_folder",
     "cell_max",

@@ -70,6 +70,7 @@ from .rules import (
     shape_functions,
 )
 from .sparse import Csr
+from .tie import Tie, TieSolution
 
 __all__ = [
     "Contact",
@@ -99,6 +100,8 @@ __all__ = [
     "RollingSolution",
     "Spinning",
     "StaticSolution",
+    "Tie",
+    "TieSolution",
     "Translating",
     "adhesive_pressure",
     "cohesive_history",

@@ -18,7 +18,7 @@ from dolfinx_impact import cli
 
 DEMOS = (
     "bar_on_wall", "block_with_friction", "hertz", "interior_penalty", "kelvin_voigt", "nearly_incompressible",
-    "own_form", "own_interface_law", "own_plasticity", "self_check", "two_bars", "two_materials",
+    "own_form", "own_interface_law", "own_plasticity", "self_check", "tied_beam", "two_bars", "two_materials",
 )  # fmt: skip
 MODULES = {"basix", "dolfinx", "dolfinx_impact", "gmsh", "matplotlib", "mpi4py", "numpy", "ufl"}
 ROUND_OFF = 1e-9  # numbers below are round-off, which another number of ranks changes
@@ -121,6 +121,7 @@ IN_MAKE_TEST = {
     ("bar_on_wall", 2), ("two_bars", 2), ("block_with_friction", 1), ("own_plasticity", 1), ("self_check", 1),
     ("own_interface_law", 1),
     ("kelvin_voigt", 1), ("two_materials", 2), ("nearly_incompressible", 2), ("interior_penalty", 1),
+    ("tied_beam", 2),
 }  # fmt: skip
 
 

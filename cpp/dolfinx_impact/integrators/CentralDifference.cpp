@@ -184,7 +184,7 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   const PrescribedMotion::Power power =
       _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
   _contact.move_obstacles(amplitudes, false);
-  if (_contact.has_kinematic())
+  if (_contact.has_corrections())
     _contact.correct(f, dt, _last_step, c.push, _energies.release_share(), _loads, sums);
   else
     f.begin_exchange();
@@ -312,9 +312,9 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
   const double dt = _last_step;
   const Coefficients c = coefficients(dt);
   const NodalFields& fields = _fields;
-  // Kinematic contact knows its forces once the step is predicted: those of the last step.
+  // Kinematic contact and ties know their forces once the step is predicted: those of the last step.
   std::vector<double> kinematic;
-  if (_contact.has_kinematic())
+  if (_contact.has_corrections())
     kinematic = _contact.forces(_fields).kinematic;
   for (std::size_t i = 0; i < fields.owned; ++i)
   {

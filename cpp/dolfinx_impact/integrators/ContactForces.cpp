@@ -13,21 +13,27 @@ void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
 {
   std::vector<enforcement::SpringForces*> springs;
   std::vector<enforcement::KinematicContact*> kinematic;
+  std::vector<enforcement::ExplicitTie*> ties;
   for (const auto& direction : pair.directions())
     if (auto* const force = dynamic_cast<enforcement::SpringForces*>(direction.get()))
       springs.push_back(force);
     else if (auto* const correction = dynamic_cast<enforcement::KinematicContact*>(direction.get()))
       kinematic.push_back(correction);
+    else if (auto* const tie = dynamic_cast<enforcement::ExplicitTie*>(direction.get()))
+      ties.push_back(tie);
     else
-      throw std::invalid_argument("a contact has to act: by SpringForces or as a KinematicContact");
-  if (!springs.empty() && !kinematic.empty())
-    throw std::invalid_argument("one direction of a pair acts by SpringForces and the other as a KinematicContact");
+      throw std::invalid_argument("a contact has to act: by SpringForces, as a KinematicContact or as an ExplicitTie");
+  if (int(!springs.empty()) + int(!kinematic.empty()) + int(!ties.empty()) > 1)
+    throw std::invalid_argument("the two directions of a pair act differently: by SpringForces, as a KinematicContact "
+                                "or as an ExplicitTie");
   for (const auto& direction : pair.directions())
     _directions.push_back(direction.get());
   _springs.insert(_springs.end(), springs.begin(), springs.end());
   for (enforcement::KinematicContact* contact : kinematic)
     _kinematic_step.add(contact);
-  _pairs.push_back({std::move(pair), !kinematic.empty(), columns, {}});
+  for (enforcement::ExplicitTie* tie : ties)
+    _tie_step.add(tie);
+  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, {}});
   _search_due = true;
 }
 
@@ -74,10 +80,11 @@ void ContactForces::search(NodalFields& fields, double last_step)
     const auto needed = contact->required_nodes(*fields.halo);
     nodes.insert(nodes.end(), needed.begin(), needed.end());
   }
-  _nodes.assign_numbers(fields, std::move(nodes), has_kinematic());
+  _nodes.assign_numbers(fields, std::move(nodes), has_corrections());
   for (enforcement::NodalContact* contact : _directions)
     contact->assign_numbers(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
   _kinematic_step.assign_numbers(*fields.halo, *_nodes.halo(), _nodes.numbers());
+  _tie_step.assign_numbers(*_nodes.halo(), {fields.inverse.data(), fields.owned});
   _search_due = false;
 }
 
@@ -136,6 +143,7 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
   for (const Pair& pair : _pairs)
     _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+  _obstacle_work += _tie_step.support_work_after();
   _half_obstacle_work = _obstacle_work;
   if (!_search_due)
     return false;
@@ -152,7 +160,7 @@ void ContactForces::evaluate(NodalFields& fields)
   for (enforcement::SpringForces* springs : _springs)
     springs->add_forces(state(), _nodes.springs);
   for (const Pair& pair : _pairs)
-    if (!pair.kinematic)
+    if (!pair.corrects)
       _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
   const ContactNodes::Products products = _nodes.add_springs(fields);
   _position = products.position;
@@ -171,7 +179,7 @@ void ContactForces::predict_searches()
 
 void ContactForces::keep(const NodalFields& fields)
 {
-  if (has_kinematic())
+  if (has_corrections())
     _nodes.keep(fields);
 }
 
@@ -188,9 +196,16 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
     n.du_before[k] = last_step * n.v_before[k];
     n.kinematic[k] = 0.0;
   }
-  _kinematic_step.correct({n.du, n.du_before, n.inverse, h * dt, dt, release_share}, n.u, n.kinematic);
+  const enforcement::PredictedStep step{n.du, n.du_before, n.inverse, h * dt, dt, release_share};
+  if (!_kinematic_step.empty())
+    _kinematic_step.correct(step, n.u, n.kinematic);
+  if (!_tie_step.empty())
+  {
+    _tie_step.correct(step, n.u, n.kinematic);
+    _obstacle_work += _tie_step.support_work_before();
+  }
   for (const Pair& pair : _pairs)
-    if (pair.kinematic)
+    if (pair.corrects)
       _obstacle_work += half_work(pair, pair.obstacle.increment_before, fields.bs);
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
@@ -232,7 +247,7 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.passages += pair.contact.passage().node >= 0;
     for (const auto& direction : pair.contact.directions())
       sums.unsolved += double(direction->num_unsolved());
-    if (pair.kinematic)
+    if (pair.corrects)
     {
       sums.kinematic += energy.normal;
       sums.taken -= energy.normal + energy.later_normal;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../enforcement/mortar/TieStep.h"
 #include "../enforcement/node_to_surface/KinematicStep.h"
 #include "../enforcement/node_to_surface/NodalPair.h"
 #include "ContactNodes.h"
@@ -13,8 +14,9 @@
 namespace dolfinx_impact::integrators
 {
 /// The contacts of all pairs of a run: their candidates, rigid masters that move, and their forces. Springs act at a
-/// time level and are part of the residual; kinematic contact corrects what an update has predicted. Candidates, nodes
-/// and forces are those of the directions of the pairs; resultants, passages and obstacles are told by pair.
+/// time level and are part of the residual; kinematic contact corrects what an update has predicted, and ties correct
+/// it last. Candidates, nodes and forces are those of the directions of the pairs; resultants, passages and obstacles
+/// are told by pair.
 class ContactForces
 {
 public:
@@ -28,8 +30,8 @@ public:
 
   /// @param[in] pair contact of a pair, in one direction or both
   /// @param[in] columns of the amplitudes with the displacement of a rigid master; -1: it stays
-  /// @throws std::invalid_argument for a direction that is neither SpringForces nor a KinematicContact, or directions
-  /// that act differently
+  /// @throws std::invalid_argument for a direction that is neither SpringForces nor a KinematicContact nor an
+  /// ExplicitTie, or directions that act differently
   void add(enforcement::NodalPair pair, std::array<int, 3> columns);
   bool empty() const { return _pairs.empty(); }
   /// Number of pairs.
@@ -37,7 +39,8 @@ public:
   /// Largest size of a number that positions of rigid masters are computed from [L].
   double largest_position() const;
   bool has_springs() const { return !_springs.empty(); }
-  bool has_kinematic() const { return !_kinematic_step.empty(); }
+  /// Are there contacts that correct updates: kinematic ones, or ties?
+  bool has_corrections() const { return !_kinematic_step.empty() || !_tie_step.empty(); }
 
   /// The step that automatic stiffnesses are made for; to be set before the first step [T].
   /// @throws std::invalid_argument unless it is positive
@@ -70,7 +73,7 @@ public:
   /// Look two steps ahead: do candidates last so long? The sums of the next step tell all ranks.
   void predict_searches();
 
-  /// Kinematic contact: keep what an update is about to change.
+  /// Corrections: keep what an update is about to change.
   void keep(const NodalFields& fields);
   /// Correct an update. Collective. No allocation.
   /// @param[in,out] fields owned values as predicted; on return corrected, ghosts valid
@@ -83,7 +86,7 @@ public:
 
   /// What this rank adds to the sums of a time level.
   void add_energies(EnergySums& sums) const;
-  /// Work of the contact forces on rigid masters so far, of this rank [F L].
+  /// Work of rigid masters, and of supports at tied nodes against the ties, so far, of this rank [F L].
   double obstacle_work() const { return _obstacle_work; }
   /// The same up to half a step before the present time level [F L].
   double half_obstacle_work() const { return _half_obstacle_work; }
@@ -112,7 +115,7 @@ private:
   struct Pair
   {
     enforcement::NodalPair contact;
-    bool kinematic;
+    bool corrects; ///< kinematic, or a tie
     std::array<int, 3> columns;
     Obstacle obstacle;
   };
@@ -125,6 +128,7 @@ private:
   std::vector<enforcement::SpringForces*> _springs;    ///< those of them that are springs
   ContactNodes _nodes;
   enforcement::KinematicStep _kinematic_step;
+  enforcement::TieStep _tie_step;
   bool _search_due = true;
   double _searches_due = 0.0; ///< directions whose candidates are used up, as far as this rank knows
   double _step = 0.0;

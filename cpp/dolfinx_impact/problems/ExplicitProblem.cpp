@@ -5,6 +5,7 @@
 #include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
+#include "../enforcement/mortar/tied_nodes.h"
 #include "../enforcement/node_to_surface/KinematicContact.h"
 #include "../enforcement/node_to_surface/NodePenalty.h"
 #include "../enforcement/node_to_surface/TrialSprings.h"
@@ -21,6 +22,9 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
+/// Of the bodies' size: what static solutions leave of the conditions of ties.
+constexpr double tied_start = 1e-9;
+
 /// Bodies with scheme, supports, loads and contacts: what steps.
 std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBody& body, TransientProblem& problem,
                                                                 const std::vector<LoadInTime>& loads,
@@ -132,6 +136,23 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
   return contacts;
 }
 
+/// Ties of a problem, in the order of its contacts.
+std::vector<enforcement::ExplicitTie*> ties_of(const std::vector<ContactInTime>& contacts)
+{
+  std::vector<enforcement::ExplicitTie*> out;
+  for (const ContactInTime& c : contacts)
+    if (auto* const tie = dynamic_cast<enforcement::ExplicitTie*>(c.contact.directions().front().get()))
+      out.push_back(tie);
+  return out;
+}
+
+/// Contacts whose ties know each other. Collective.
+std::vector<ContactInTime> with_ties(std::vector<ContactInTime> contacts)
+{
+  enforcement::connect(ties_of(contacts));
+  return contacts;
+}
+
 /// Calls a function of the user after each step, all ranks together.
 class CallingObserver : public RunObserver
 {
@@ -160,7 +181,7 @@ ExplicitProblem::ExplicitProblem(std::shared_ptr<Function> u, std::shared_ptr<Fu
                                  std::vector<ContactInTime> contacts, const ExplicitOptions& options,
                                  std::shared_ptr<Function> a)
     : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(loads), std::move(a)),
-      _body(std::move(body)), _contacts(with_stiffness(std::move(contacts), _body, *_u)),
+      _body(std::move(body)), _contacts(with_stiffness(with_ties(std::move(contacts)), _body, *_u)),
       _integrator(make_integrator(_body, *this, loads, _contacts, options)),
       _safe(_u, _body.frequencies, cell_steps(_body, _contacts, *_u->function_space(), options.scheme), _body.kind,
             *_integrator),
@@ -340,8 +361,37 @@ void ExplicitProblem::update_motion()
 void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();
+  start_tied();
   _stepper.start(common::array(*_u->x()).first(owned), common::array(*_v->x()).first(owned), observer);
   update_motion();
+}
+
+/// Refuse a displacement that contradicts the ties; remove from the velocity what they forbid. Collective.
+void ExplicitProblem::start_tied()
+{
+  std::vector<const enforcement::TieConditions*> ties;
+  for (const enforcement::ExplicitTie* tie : ties_of(_contacts))
+    ties.push_back(&tie->conditions());
+  _lost_at_start = 0.0;
+  if (ties.empty())
+    return;
+  std::vector<double> inverse(num_owned());
+  for (std::size_t i = 0; i < inverse.size(); ++i)
+    inverse[i] = _supports.mask()[i] ? 0.0 : 1.0 / _body.mass[i];
+  const double size = ties[0]->size();
+  enforcement::TieSystem system(std::move(ties), inverse);
+  const double apart = system.largest_jump(common::array(*_u->x()).first(num_owned()));
+  if (apart > tied_start * size)
+    throw common::BadValue("the displacement at the start moves tied surfaces apart by " + common::text("%.3e", apart) +
+                           ": ties hold from the reference configuration on; start from "
+                           "zero, or from a static problem with the same ties");
+  const std::span<double> v = common::array(*_v->x()).first(num_owned());
+  const std::vector<double> allowed = system.project(v);
+  for (std::size_t i = 0; i < v.size(); ++i)
+    _lost_at_start += 0.5 * _body.mass[i] * (v[i] * v[i] - allowed[i] * allowed[i]);
+  _lost_at_start = common::sum(comm(), _lost_at_start);
+  std::ranges::copy(allowed, v.begin());
+  _v->x()->scatter_fwd();
 }
 
 void ExplicitProblem::resume(double time, std::int64_t step, double next_time, double nominal,

@@ -90,6 +90,8 @@ public:
   /// contacts have got a history. Collective.
   /// @throws common::BadValue if bodies overlap
   void start(RunObserver& observer);
+  /// Kinetic energy of the velocity at the start that ties have taken, as it contradicts them [F L].
+  double lost_at_start() const { return _lost_at_start; }
   /// Go on from a checkpoint; integrator and `safe_step` must have been restored. Collective.
   void resume(double time, std::int64_t step, double next_time, double nominal,
               const std::optional<integrators::StepSchedule>& schedule, RunObserver& observer);
@@ -103,6 +105,7 @@ public:
 private:
   ExplicitStepper::System system();
   void check_overlap();
+  void start_tied();
   void go_back();
   std::string unsolved() const;
   double assembled_stable_step();
@@ -113,6 +116,7 @@ private:
   integrators::SafeStep _safe;
   RunHistory _history;
   ExplicitStepper _stepper;
+  double _lost_at_start = 0.0;
   bool _advances = false; ///< a call of `advance` is running
 };
 } // namespace dolfinx_impact::problems

@@ -109,6 +109,10 @@ class ExplicitProblem:
     @property
     def time(self) -> float: ...
     @property
+    def lost_at_start(self) -> float:
+        """Kinetic energy that ties have taken [F L]"""
+
+    @property
     def step(self) -> int: ...
     @property
     def next_time(self) -> float: ...

@@ -2,6 +2,7 @@
 """Contact: pairs of surfaces, rigid obstacles, and how contact is enforced. What is discretised: docs/contact.md."""
 
 from .mortar.lagrange import Lagrange
+from .mortar.tie import Tie
 from .explicit.nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty.penalty import Penalty
@@ -18,4 +19,5 @@ __all__ = [
     "RigidPlane",
     "RigidSphere",
     "RigidSurface",
+    "Tie",
 ]

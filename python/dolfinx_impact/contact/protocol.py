@@ -69,8 +69,13 @@ class StaticContactProblem(ContactProblem, Protocol):
 
 
 class ExplicitContactProblem(ContactProblem, Protocol):
-    """What a contact reads of an explicit problem."""
+    """What a contact reads of an explicit problem.
 
+    Attributes:
+        prescribed: mask of prescribed degrees of freedom, owned and ghosts.
+    """
+
+    prescribed: BoolArray
     _cpp_object: _cpp.problems.ExplicitProblem
 
 

@@ -24,6 +24,7 @@ from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
+from ..common.messages import LOG
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..common.unique import claim
 from ..common.units import Units
@@ -52,9 +53,14 @@ from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import Kinematic, NodalPair
+    from ..contact.explicit.tied import ExplicitTie
+    from ..contact.mortar.tie import Tie
     from ..contact.penalty.penalty import Penalty
     from ..rolling.rolling_problem import RollingProblem
     from ..statics.static_problem import StaticProblem
+
+
+SEEN = 1e-12  # part of the kinetic energy that is more than round-off
 
 
 class ExplicitProblem(TransientProblem):
@@ -123,7 +129,7 @@ class ExplicitProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Penalty | Kinematic | Sequence[Penalty | Kinematic] = (),
+        contact: Penalty | Kinematic | Tie | Sequence[Penalty | Kinematic | Tie] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
@@ -192,7 +198,7 @@ class ExplicitProblem(TransientProblem):
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
-        self.contact: tuple[NodalPair, ...] = tuple([c._bind_explicit(self) for c in contact])
+        self.contact: tuple[NodalPair | ExplicitTie, ...] = tuple([c._bind_explicit(self) for c in contact])
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
@@ -221,7 +227,20 @@ class ExplicitProblem(TransientProblem):
             integrator.release_limit = energy_gain.release_limit(V, stiffness_of_mass)
         self._restart = Restart(self, self._stepper)
         self._stepper.start()
+        self._tell_of_ties()
         _cpp.integrators.release_memory()
+
+    def _tell_of_ties(self) -> None:
+        """Log the energy of initial velocities that contradict ties, on rank 0."""
+        lost = float(self._cpp_object.lost_at_start)
+        kinetic = self.energy["kinetic"]
+        if lost > SEEN * kinetic and self.comm.rank == 0:
+            LOG.warning(
+                "the velocity at the start moves tied surfaces apart: what contradicts the ties was removed, and "
+                "%.3g of a kinetic energy of %.3g with it",
+                lost,
+                lost + kinetic,
+            )
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 

@@ -15,7 +15,9 @@ from .functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import NodalPair
+    from ..contact.explicit.tied import ExplicitTie
     from ..contact.mortar.lagrange import LagrangeContact
+    from ..contact.mortar.tie import TieContact
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
@@ -35,7 +37,7 @@ def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOf
     return _cpp.problems.PrescribedMotion(bc.bc._cpp_object, bc.amplitude.sample(np.zeros(1))[0])
 
 
-def contact_in_time(contact: NodalPair, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
+def contact_in_time(contact: NodalPair | ExplicitTie, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
     """A contact.
 
     Args:
@@ -53,7 +55,7 @@ def contact_in_time(contact: NodalPair, functions: FunctionsOfTime) -> _cpp.prob
 
 
 def implicit_contact(
-    contact: LagrangeContact | QuadraturePenalty, functions: FunctionsOfTime
+    contact: LagrangeContact | QuadraturePenalty | TieContact, functions: FunctionsOfTime
 ) -> _cpp.problems.ImplicitContact:
     """A contact of implicit steps.
 
