@@ -20,7 +20,11 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
 {
   if (penalty_ > 0)
     return part_ * penalty_ * pairs.area(node);
-  return part_ / pairs.spring_compliance(node, m, dt);
+  double compliance = pairs.spring_compliance(node, m, dt);
+  if (const RigidBall* ball = pairs.ball()) // it gives way, and the step must bear that, too
+    compliance += dt * dt * ball->mobility(pairs.slave_area(), friction_ > 0) /
+                  (4 * (1 / (0.9 * 0.9) - 1) * pairs.area(node));
+  return part_ / compliance;
 }
 
 void NodalPenalty::before(const ContactStep& step)
@@ -104,7 +108,7 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
     Vec<double> moved;
     if (met)
     {
-      moved = pairs.relative(step.moved, pairs.master_moved(step.n), node, m);
+      moved = pairs.relative(step.moved, pairs.master_moved(step.n, m.x), node, m);
       r = dot(m.normal, moved);
       // Who passes beside an edge is not pushed.
       if (may_close and not(m.beside and m.gap >= 0))
@@ -174,6 +178,8 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       pairs.add(answer_.force, f, node, m);
       pairs.add_moment(answer_.force, f, step.u, node, m);
       answer_.total = answer_.total + sign * f;
+      if (RigidBall* ball = pairs.ball())
+        ball->add(f, m.x);
     }
     else if (last.closed)
     {
@@ -210,6 +216,8 @@ double NodalPenalty::added_frequency(const Vector& u) const
           const std::int64_t node = pairs.nodes()[i];
           highest = std::max(highest, stiffness(pairs, node, m, 1) * pairs.compliance(node, m));
         }
+      if (const RigidBall* ball = pairs.ball())
+        highest += part_ * penalty_ * ball->mobility(pairs.slave_area(), friction_ > 0);
       sum += highest;
     }
   return sum;

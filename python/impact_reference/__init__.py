@@ -32,7 +32,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
-from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
+from .explicit import ExplicitResult, NodalKinematic, NodalPenalty, RigidBall
 from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
@@ -69,6 +69,7 @@ __all__ = [
     "PlasticBody",
     "PlasticElement",
     "PlasticStates",
+    "RigidBall",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",

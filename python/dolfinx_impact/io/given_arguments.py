@@ -184,11 +184,12 @@ class GivenArguments:
         if pair.rigid:
             master = pair.master
             self.table[f"{of}.master"] = type(master).__name__
-            self.add_attributes(f"{of}.master", master, but=("motion", "shape", "hint", "numbers"))
+            self.add_attributes(f"{of}.master", master, but=("motion", "shape", "hint", "numbers", *master.given_once))
             self.table[f"{of}.master.shape"] = master.description() if places else master.shape_description()
             if places:
                 self.table[f"{of}.master.displacement"] = _text(master.displacement)
-                self.table[f"{of}.master.velocity"] = _text(master.velocity)
+                if "velocity" not in master.given_once:
+                    self.table[f"{of}.master.velocity"] = _text(master.velocity)
                 self.table[f"{of}.master.motion"] = "without" if master.motion is None else "with"
         else:
             self.table[f"{of}.master"] = f"{pair.master}, {facets_with(self.mesh, pair.facet_tags, pair.master)}"

@@ -51,7 +51,8 @@ public:
   Passage passage() const override { return _passage; }
   const std::array<double, 3>& force() const override { return _force; }
   double largest_position() const override { return _obstacle_size; }
-  void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
+  gap::Matrix3 force_moment() const override { return _force_moment; }
+  void set_obstacle(const gap::RigidMotion& motion) override;
 
   const NodeCandidates& candidates() const { return _candidates; }
   const NodeToSurfaceOptions& options() const { return _options; }
@@ -118,6 +119,14 @@ protected:
   bool find_contact(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
                     ContactPoint& point);
   void open(std::size_t i, const search::Projection& at, const double* u);
+  /// How the rigid master has moved in the last step at a place.
+  /// @param[in] x the place, (gdim) [L]
+  /// @param[out] increment (gdim) [L]
+  void obstacle_increment(const double* x, double* increment) const;
+  /// Place of node i, (gdim) [L].
+  void position(std::size_t i, const double* u, double* x) const;
+  /// Add a force on node i to the sums of forces and of their moments.
+  void add_to_sums(std::size_t i, const double* u, const double* force);
   /// Projection of node i on the rigid master in the configuration u - back*du.
   search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
   /// True if contact forces need a moment correction (deformable master, not axisymmetric).
@@ -128,7 +137,7 @@ protected:
   int _gdim;
   bool _rigid;
   gap::Rigid _obstacle;
-  std::array<double, 3> _obstacle_increment{};
+  gap::RigidMotion _obstacle_motion;
   NodeCandidates _candidates;
   search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
@@ -140,6 +149,7 @@ protected:
   std::vector<std::int8_t> _closed;
   ContactEnergy _energy;
   std::array<double, 3> _force{};
+  gap::Matrix3 _force_moment{};
   Passage _passage;
 
 private:
@@ -148,7 +158,8 @@ private:
   /// Projection in the configuration u - back*du.
   search::Projection point_before(std::size_t i, const double* u, const double* du, double back) const;
   /// Increment of the step relative to the master at the projection.
-  void relative_motion(std::size_t i, const search::Projection& at, const double* du, double* motion) const;
+  void relative_motion(std::size_t i, const search::Projection& at, const double* u, const double* du,
+                       double* motion) const;
   /// Follow an open node along its path in the step.
   /// @returns true if it passed through more than one facet diameter of the master: too far to be pushed back
   bool passes_through(ContactPoint& point, const double* u, const double* du);
