@@ -74,7 +74,7 @@ void bind_explicit(nb::module_& m)
              double search_distance, V mass, P displacement, P slave_normals, P master_normals, double friction,
              double penalty, bool balanced, P points, V weights, P mass_points, V mass_weights,
              const std::string& lumping, const std::vector<PlasticBody*>& plastic,
-             const std::vector<std::shared_ptr<RigidBall>>& ball)
+             const std::vector<std::shared_ptr<RigidBall>>& ball, double stiffness_step)
           {
             check_friction(friction);
             if (not(penalty >= 0) or not std::isfinite(penalty))
@@ -108,7 +108,7 @@ void bind_explicit(nb::module_& m)
               if (balanced)
                 pairs[1].set_stiffness(high, low);
             }
-            new (self) NodalPenalty(std::move(pairs), friction, penalty);
+            new (self) NodalPenalty(std::move(pairs), friction, penalty, stiffness_step);
           },
           nb::keep_alive<1, 2>())
       .def("added_frequency", &NodalPenalty::added_frequency)

@@ -183,7 +183,8 @@ class NodalPenalty : public ExplicitContact
 public:
   /// @param directions one, or two for the balanced form, in which each has half the stiffness
   /// @param penalty [F/L^3], or 0: from the stiffness of the pairs' nodes
-  NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty);
+  /// @param stiffness_step that such springs are made for; 0: each step [T]
+  NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty, double stiffness_step = 0);
 
   void before(const ContactStep& step) override;
   bool kinematic() const override { return false; }
@@ -217,7 +218,7 @@ private:
   void evaluate(Direction& direction, const ContactStep& step, bool first);
 
   std::vector<Direction> directions_;
-  double friction_, penalty_, part_;
+  double friction_, penalty_, part_, stiffness_step_;
 };
 
 class NodalKinematic : public ExplicitContact

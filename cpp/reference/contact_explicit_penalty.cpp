@@ -4,8 +4,8 @@
 
 namespace impact_reference
 {
-NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty)
-    : friction_(friction), penalty_(penalty), part_(1.0 / double(directions.size()))
+NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty, double stiffness_step)
+    : friction_(friction), penalty_(penalty), part_(1.0 / double(directions.size())), stiffness_step_(stiffness_step)
 {
   answer_ = no_contact(directions[0]);
   for (NodePairs& pairs : directions)
@@ -20,6 +20,7 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
 {
   if (penalty_ > 0)
     return part_ * penalty_ * pairs.area(node);
+  dt = stiffness_step_ > 0 ? stiffness_step_ : dt;
   double compliance = pairs.spring_compliance(node, m, dt);
   if (const RigidBall* ball = pairs.ball()) // it gives way, and the step must bear that, too
     compliance += dt * dt * ball->mobility(pairs.slave_area(), friction_ > 0) /

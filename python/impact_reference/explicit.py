@@ -144,6 +144,7 @@ class NodalPenalty(_Nodal):
             facet [L].
         motion: displacement of a rigid master over time: shape (gdim), a function of t, or a table (times, values) with
             values of shape (n, gdim); None takes `master.displacement` at all times [L].
+        stiffness_step: step that springs without a given penalty are made for; None: each step of the run [T].
         master_normals: of a smooth master (docs/contact.md, "Smooth surfaces"): normals at the vertices of its facets,
             shape (num_facets, vertices per facet, gdim), not a number for that of the facet; None: facets as they are.
         slave_normals: likewise, for the direction of a balanced contact in which the slave is the master.
@@ -163,7 +164,9 @@ class NodalPenalty(_Nodal):
         motion: TimeValues | None = None,
         master_normals: ArrayLike | None = None,
         slave_normals: ArrayLike | None = None,
+        stiffness_step: float | None = None,
     ) -> None:
+        self.stiffness_step = stiffness_step
         normals = {"slave": slave_normals, "master": master_normals}
         super().__init__(slave, master, friction, search_distance, motion, normals)
         if penalty is not None and not penalty > 0:
@@ -177,7 +180,7 @@ class NodalPenalty(_Nodal):
         rules = *model._rule("stiffness"), *model._rule("mass"), lumping, [] if plastic is None else [plastic]
         ball = [self.master.bind(model.points.shape[1])] if isinstance(self.master, RigidBall) else []
         given = self.friction, float(self.penalty or 0), self.balanced
-        return _reference.NodalPenalty(*arguments, *given, *rules, ball)
+        return _reference.NodalPenalty(*arguments, *given, *rules, ball, float(self.stiffness_step or 0))
 
 
 class NodalKinematic(_Nodal):
