@@ -135,7 +135,7 @@ public:
   /// The next search does not depend on the ones before: a run that goes on from a checkpoint makes the same ones.
   void forget_searches();
   void restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
-               const std::vector<Obstacle>& obstacles, const std::vector<RigidBodyState>& bodies);
+               const std::vector<Obstacle>& obstacles, const std::vector<RigidBodyState>& bodies = {});
   /// The time level is complete: works of the step go into the sums.
   void commit();
 

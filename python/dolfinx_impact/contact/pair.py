@@ -117,19 +117,20 @@ class ContactPair(Fixed):
         """The master, if it is a body that moves by forces."""
         return self.master if isinstance(self.master, RigidBody) else None
 
-    def refuse_rigid_body(self, why: str) -> None:
-        """Refuse a master that moves by forces.
+    def refuse_rigid_body(self, what: str, problem: object = None) -> None:
+        """Refuse a master that moves by forces, unless the problem moves it.
 
         Args:
-            why: what cannot move it.
+            what: what does not move it.
+            problem: the problem; None: none that does.
 
         Raises:
             ValueError: the master is a RigidBody.
         """
-        if self.rigid_body is not None:
+        if self.rigid_body is not None and not getattr(problem, "moves_rigid_bodies", False):
             raise ValueError(
-                f"{self.name}: {why} does not move a RigidBody: take Penalty in an ExplicitProblem, or give its surface "
-                "as the master and displace it"
+                f"{self.name}: {what} does not move a RigidBody: take Penalty in an ExplicitProblem, or a "
+                "StaticProblem, or give its surface as the master and displace it"
             )
 
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:

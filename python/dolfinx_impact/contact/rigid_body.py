@@ -25,15 +25,88 @@ PLANE = ("z", "rx", "ry")  # what does not move in the plane
 AXIAL = ("x", "z", *ROTATIONS)  # what does not move in axisymmetric problems: r is x, the axis y
 
 
+class StaticBody:
+    """A rigid body in a static problem: what it reads, and results.
+
+    Args:
+        body: the body.
+        problem: the problem.
+        contacts: numbers of its contacts.
+        fixed: which translations are fixed, (3).
+
+    Attributes:
+        contacts: as given.
+        fixed: as given.
+        force: external force at the present part of a load step, (3) [F].
+        reached: that of the last solve, (3) [F].
+    """
+
+    def __init__(self, body: RigidBody, problem: Any, contacts: list[int], fixed: list[bool]) -> None:
+        self._centre, self._problem = body.centre, weakref.ref(problem)
+        self.contacts, self.fixed = contacts, fixed
+        assert body._given_force is not None  # it was checked
+        self.force, self.reached = body._given_force, np.zeros(3)
+
+    def _contacts(self) -> list[Any]:
+        problem = self._problem()
+        return [problem.contact[k] for k in self.contacts]
+
+    @property
+    def position(self) -> FloatArray:
+        """Centre, (3) [L]."""
+        return self._centre + np.array(self._contacts()[0].displacement)
+
+    @property
+    def rotation(self) -> FloatArray:
+        """None of it: the identity, row by row, (9) [1]."""
+        return np.eye(3).ravel()
+
+    @property
+    def contact_force(self) -> FloatArray:
+        """Force of all contacts on the body, (3) [F]."""
+        total: FloatArray = np.zeros(3)
+        for contact in self._contacts():
+            total[: len(contact.force)] -= contact.force
+        return total
+
+    @property
+    def contact_torque(self) -> FloatArray:
+        """Torque of all contacts about the centre, (3) [F L]."""
+        total: FloatArray = np.zeros(3)
+        for contact in self._contacts():
+            about_origin = np.array([0.0, 0.0, contact.moment[0]]) if len(contact.force) == 2 else contact.moment
+            total -= about_origin
+        return total - np.cross(self.position, self.contact_force)
+
+    def velocity(self, dt: float) -> FloatArray:
+        """Zero, as spin, momentum and angular momentum, (3) [L/T].
+
+        Args:
+            dt: not used.
+        """
+        return np.zeros(3)
+
+    spin = momentum = angular_momentum = velocity
+
+    def kinetic_energy(self, dt: float) -> float:
+        """Zero [F L].
+
+        Args:
+            dt: not used.
+        """
+        return 0.0
+
+
 class RigidBody(_Rigid):
-    """A rigid body with mass and inertia, moved by contact forces and loads: the master of one or several pairs of an
-    ExplicitProblem with Penalty contact. docs/rigid_bodies.md has the equations.
+    """A rigid body that contact forces and loads move: the master of one or several pairs. ExplicitProblem with Penalty
+    contact has all of its motion; StaticProblem translates it until the forces on it cancel, with Penalty and Lagrange.
+    docs/rigid_bodies.md has the equations.
 
     Its results, at the present time of the problem that was made with it last, have three components in the plane too.
 
     Args:
         surface: its surface where it is at the start: RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
-        mass: mass; None: all translations are `fixed`. With symmetry supports, the part of it that the mesh has [M].
+        mass: mass; None: in static problems, or if all translations are `fixed`. With symmetry supports, the part of it that the mesh has [M].
         inertia: about the centre: a number (of the rotation in the plane, or about all axes in space), the moments
             about x, y and z, (3), or the tensor, (3, 3); None: all rotations are fixed [M L^2].
         centre: centre of mass, (2) or (3); None: the centre of a ball or of a cylinder [L].
@@ -96,9 +169,9 @@ class RigidBody(_Rigid):
             centre = surface._point + surface.displacement
         self.centre = _vector("centre", centre)
         self._start_velocity, self._start_spin = _vector("velocity", velocity), _turning("spin", spin)
+        #: as a vector, which static problems read; None: a function of time
+        self._given_force = None if _in_time(force) else np.array(_vector("force", (0, 0, 0) if force is None else force))
         self._force, self._torque = _load("force", force), _load("torque", torque)
-        if self.mass is None and not set(TRANSLATIONS) <= set(self.fixed):
-            raise ValueError("a rigid body needs a mass, or its translations must be fixed: fixed=('x', 'y', 'z')")
         if self.inertia is None and np.any(self._start_spin) and not set(ROTATIONS) <= set(self.fixed):
             raise ValueError(
                 "a rigid body with spin needs its inertia, or the spin must be fixed: fixed=('rx', 'ry', 'rz')"
@@ -109,7 +182,7 @@ class RigidBody(_Rigid):
                 "a spin that is fixed in some components, not in all, must be zero there: a body cannot turn freely "
                 "about one axis while it is driven about another"
             )
-        self._body: _cpp.problems.RigidBodyInTime | None = None
+        self._body: _cpp.problems.RigidBodyInTime | StaticBody | None = None
         self._problem: Any = None  # weak reference to the problem that moves it
 
     def _made_of(self) -> str:
@@ -143,7 +216,6 @@ class RigidBody(_Rigid):
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         made = self.surface.obstacle(gdim)
         made.centre = [*map(float, self.centre - self._displacement)]
-        made.rotates = True
         return made
 
     def bind(self, problem: ExplicitContactProblem) -> _cpp.problems.RigidBodyInTime:
@@ -158,9 +230,11 @@ class RigidBody(_Rigid):
         Raises:
             ValueError: the centre or a velocity lies outside the plane of the mesh, or the body can move off the axis.
         """
-        if self._body is not None and self._problem is not None and self._problem() is problem:
+        if isinstance(self._body, _cpp.problems.RigidBodyInTime) and self._problem() is problem:
             return self._body
         gdim = problem.space.mesh.geometry.dim
+        if self.mass is None and not set(TRANSLATIONS[:gdim]) <= set(self.fixed):
+            raise ValueError("a rigid body needs a mass, or its translations must be fixed: fixed=('x', 'y', 'z')")
         fixed = set(self.fixed) | (set(ROTATIONS) if self.inertia is None else set())
         if gdim == 2:
             fixed |= set(AXIAL if problem.axisymmetric else PLANE)
@@ -185,19 +259,64 @@ class RigidBody(_Rigid):
         self._problem = weakref.ref(problem)
         return self._body
 
+    def bind_static(self, problem: Any) -> StaticBody:
+        """The body in a static problem, which moves it from now on.
+
+        Args:
+            problem: the problem; its contacts are made.
+
+        Returns:
+            Its contacts, fixed components and force.
+
+        Raises:
+            ValueError: it could rotate or has a velocity, its surface is displaced, or the force is a function of time.
+        """
+        if self.inertia is not None and not set(ROTATIONS) <= set(self.fixed):
+            raise ValueError(
+                "static problems do not rotate a RigidBody: leave out its inertia, or fixed=('rx', 'ry', 'rz', ...)"
+            )
+        if np.any(self._start_velocity) or np.any(self._start_spin):
+            raise ValueError("a RigidBody of a static problem has no velocity and no spin")
+        if np.any(self._displacement):
+            raise ValueError("make the surface of a RigidBody where it is at the start: it is displaced")
+        if self._given_force is None:
+            raise ValueError("the force on a RigidBody is a function of time: static problems take a vector")
+        fixed = set(self.fixed) | ({"x", "z"} if problem.axisymmetric else set())
+        contacts = [k for k, c in enumerate(problem.contact) if c.pair.rigid_body is self]
+        self._body = StaticBody(self, problem, contacts, [name in fixed for name in TRANSLATIONS])
+        self._problem = weakref.ref(problem)
+        return self._body
+
+    @property
+    def external_force(self) -> FloatArray:
+        """External force at the centre, which the next solve of a static problem leads to, (3) [F]."""
+        if self._given_force is None:
+            raise ValueError("the force on this RigidBody is a function of time")
+        return self._given_force.copy()
+
+    @external_force.setter
+    def external_force(self, value: ArrayLike) -> None:
+        if self._given_force is None or isinstance(self._body, _cpp.problems.RigidBodyInTime):
+            raise ValueError(
+                "problems in time read the force on a RigidBody when they are made: give `force` a function of time"
+            )
+        self._given_force[:] = _vector("external_force", value)
+
     def loads(self) -> list[Amplitude]:
         """Functions of time of force and torque, those that there are, in the order of the C++ side."""
         return [load for load in (self._force, self._torque) if load is not None]
 
     # --- results ---------------------------------------------------------------------------------------------------
 
-    def _moving(self) -> tuple[_cpp.problems.RigidBodyInTime, float]:
+    def _moving(self) -> tuple[_cpp.problems.RigidBodyInTime | StaticBody, float]:
         """The body and the last step of its problem."""
         problem = None if self._problem is None else self._problem()
         if self._body is None or problem is None:
             raise RuntimeError("the rigid body belongs to no problem: it moves in an ExplicitProblem that is kept")
         made = getattr(problem, "_cpp_object", None)
-        return self._body, 0.0 if made is None else float(made.integrator.last_step)
+        if isinstance(self._body, StaticBody) or made is None:
+            return self._body, 0.0
+        return self._body, float(made.integrator.last_step)
 
     @property
     def position(self) -> FloatArray:
@@ -283,11 +402,16 @@ def _turning(name: str, value: Any) -> FloatArray:
     return _vector(name, (0.0, 0.0, number(name, value)) if np.ndim(value) == 0 else value)
 
 
+def _in_time(value: Any) -> bool:
+    """Whether a load is a function of time."""
+    return callable(value) or (isinstance(value, tuple) and len(value) == 2 and np.ndim(value[0]) == 1)
+
+
 def _load(name: str, value: Any) -> Amplitude | None:
     """A load as a function of time with three components."""
     if value is None:
         return None
-    if callable(value) or (isinstance(value, tuple) and len(value) == 2 and np.ndim(value[0]) == 1):
+    if _in_time(value):
         return Amplitude(value, f"{name} on a rigid body", size=3)
     vector = _turning(name, value) if name == "torque" else _vector(name, value)
     return Amplitude(lambda t: vector, f"{name} on a rigid body", size=3)

@@ -47,6 +47,8 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
         m.mass_density(mesh)
         if isinstance(m, InelasticMaterial):
             _check_flowing(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
+    for c in contact:
+        c.pair.refuse_rigid_body("steady rolling")
     if any(c.pair.friction > 0.0 for c in contact):
         if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
             raise ValueError("friction together with internal variables that flow with the material comes later")
