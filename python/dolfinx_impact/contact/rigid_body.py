@@ -66,7 +66,8 @@ class StaticBody:
         """Force of all contacts on the body, (3) [F]."""
         total: FloatArray = np.zeros(3)
         for contact in self._contacts():
-            total[: len(contact.force)] -= contact.force
+            if contact.force is not None:  # there was a solve
+                total[: len(contact.force)] -= contact.force
         return total
 
     @property
@@ -74,6 +75,8 @@ class StaticBody:
         """Torque of all contacts about the centre, (3) [F L]."""
         total: FloatArray = np.zeros(3)
         for contact in self._contacts():
+            if contact.force is None:
+                continue
             about_origin = np.array([0.0, 0.0, contact.moment[0]]) if len(contact.force) == 2 else contact.moment
             total -= about_origin
         return total - np.cross(self.position, self.contact_force)

@@ -108,9 +108,10 @@ class GivenArguments:
         """
         taken = [p for p in inspect.signature(type(thing).__init__).parameters if p != "self"]
         public = [key for key in vars(thing) if not key.startswith("_")]
-        for key in dict.fromkeys([*taken, *public]):
+        left_out = {*but, *NAMES}
+        for key in dict.fromkeys(k for k in [*taken, *public] if k not in left_out):
             stored = key if hasattr(thing, key) else STORED_AS.get(key, key)
-            if key not in (*but, *NAMES) and hasattr(thing, stored):
+            if hasattr(thing, stored):
                 self.add(f"{name}.{key}", getattr(thing, stored))
 
     def add_material(self, name: str, material: Material) -> None:

@@ -7,7 +7,7 @@ import rigid_body_checks
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from on_ranks import rank_tests
-from rigid_body_checks import ball, block, thrown
+from rigid_body_checks import ball, block, pressed, round_body, thrown
 
 import dolfinx_impact as di
 
@@ -41,6 +41,27 @@ def test_a_run_goes_on_from_its_checkpoint(tmp_path, dim):
     heavier = thrown(SELF, dim, ball(dim, mass=0.6))
     with pytest.raises(ValueError, match="another problem"):
         heavier.restore(tmp_path / "half.h5")
+
+
+def test_a_static_body_goes_on_from_its_checkpoint(tmp_path):
+    """Place and force that were reached are in the file: two load steps as without it."""
+
+    def make():
+        body = round_body(2, force=(0.0, -4.0))
+        return pressed(SELF, 2, di.Lagrange, body), body
+
+    whole, body = make()
+    whole.solve()
+    whole.save(tmp_path / "half.h5")
+    body.external_force = (0.0, -6.0)
+    whole.solve(steps=2)
+    again, other = make()
+    again.restore(tmp_path / "half.h5")
+    np.testing.assert_allclose(other.force, (other.force[0], 4.0, 0.0), rtol=2e-8)
+    other.external_force = (0.0, -6.0)
+    again.solve(steps=2)
+    np.testing.assert_allclose(other.position, body.position, rtol=1e-9)
+    np.testing.assert_allclose(other.force, body.force, rtol=1e-7)
 
 
 def test_free_flight():
