@@ -29,8 +29,8 @@ using dolfinx_impact::integrators::CentralDifference;
 using dolfinx_impact::integrators::Energies;
 using dolfinx_impact::integrators::FormForces;
 using dolfinx_impact::integrators::InputChanges;
-using dolfinx_impact::integrators::SafeStep;
 using dolfinx_impact::integrators::RigidBody;
+using dolfinx_impact::integrators::SafeStep;
 using dolfinx_impact::integrators::Scheme;
 using dolfinx_impact::integrators::StableStepWatch;
 using dolfinx_impact::integrators::StepSchedule;
@@ -171,7 +171,8 @@ void bind_rigid_body(nb::module_& m)
           nb::arg("dt"))
       .def_prop_ro("contact_force", [](const RigidBodyInTime& self) { return self.body.contact_force(); })
       .def_prop_ro("contact_torque", [](const RigidBodyInTime& self) { return self.body.contact_torque(); })
-      .def("begin", [](RigidBodyInTime& self) { self.body.begin(); }, "Works count from here")
+      .def(
+          "begin", [](RigidBodyInTime& self) { self.body.begin(); }, "Works count from here")
       .def(
           "set_loads", [](RigidBodyInTime& self, Vector force, Vector torque) { self.body.set_loads(force, torque); },
           nb::arg("force"), nb::arg("torque"))

@@ -22,8 +22,8 @@ Vec<double> RigidBall::moved_at(const Vec<double>& x) const
   if (angle == 0)
     return moved_;
   const Vec<double> axis = (-1 / angle) * angle_;
-  const Vec<double> before = std::cos(angle) * r + std::sin(angle) * cross(axis, r) +
-                             ((1 - std::cos(angle)) * dot(axis, r)) * axis;
+  const Vec<double> before =
+      std::cos(angle) * r + std::sin(angle) * cross(axis, r) + ((1 - std::cos(angle)) * dot(axis, r)) * axis;
   return moved_ + r - before;
 }
 

@@ -53,19 +53,20 @@ void bind_explicit(nb::module_& m)
   using Dofs = const std::vector<std::int64_t>&;
 
   nb::class_<RigidBall>(m, "RigidBall")
-      .def(
-          "__init__",
-          [](RigidBall* self, int gdim, double radius, V centre, double mass, double inertia, V velocity, V spin, V force)
-          {
-            const auto three = [](V v)
-            {
-              Vec<double> out;
-              for (int c = 0; c < v.size() and c < 3; ++c)
-                out[c] = v(c);
-              return out;
-            };
-            new (self) RigidBall(gdim, radius, three(centre), mass, inertia, three(velocity), three(spin), three(force));
-          });
+      .def("__init__",
+           [](RigidBall* self, int gdim, double radius, V centre, double mass, double inertia, V velocity, V spin,
+              V force)
+           {
+             const auto three = [](V v)
+             {
+               Vec<double> out;
+               for (int c = 0; c < v.size() and c < 3; ++c)
+                 out[c] = v(c);
+               return out;
+             };
+             new (self)
+                 RigidBall(gdim, radius, three(centre), mass, inertia, three(velocity), three(spin), three(force));
+           });
   nb::class_<ExplicitContact>(m, "ExplicitContact").def_prop_ro("nodes", &ExplicitContact::nodes);
   nb::class_<NodalPenalty, ExplicitContact>(m, "NodalPenalty")
       .def(

@@ -60,8 +60,8 @@ public:
 
   Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
   Vec<double> position(const Vector& u, std::int64_t node) const;
-  Vec<double> obstacle(int n) const;     ///< displacement of the rigid master at t_n [L]
-  Vec<double> master_moved(int n) const; ///< of the rigid master, from t_(n-1) to t_n [L]
+  Vec<double> obstacle(int n) const;                           ///< displacement of the rigid master at t_n [L]
+  Vec<double> master_moved(int n) const;                       ///< of the rigid master, from t_(n-1) to t_n [L]
   Vec<double> master_moved(int n, const Vec<double>& x) const; ///< the same of its point that is at x at t_n [L]
   /// The rigid master is a ball that forces move; none: it moves as prescribed.
   RigidBall* ball() const { return ball_.get(); }

@@ -23,8 +23,8 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
   dt = stiffness_step_ > 0 ? stiffness_step_ : dt;
   double compliance = pairs.spring_compliance(node, m, dt);
   if (const RigidBall* ball = pairs.ball()) // it gives way, and the step must bear that, too
-    compliance += dt * dt * ball->mobility(pairs.slave_area(), friction_ > 0) /
-                  (4 * (1 / (0.9 * 0.9) - 1) * pairs.area(node));
+    compliance +=
+        dt * dt * ball->mobility(pairs.slave_area(), friction_ > 0) / (4 * (1 / (0.9 * 0.9) - 1) * pairs.area(node));
   return part_ / compliance;
 }
 

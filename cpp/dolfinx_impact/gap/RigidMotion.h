@@ -17,8 +17,8 @@ struct RigidMotion
   std::array<double, 3> increment{};    ///< of the displacement in the last step [L]
   bool rotates = false;                 ///< without, what follows has no effect
   Matrix3 rotation = identity;          ///< about the centre
-  /// What the last step has added to the rotation, times the inverse of the rotation: the point that is now at the arm r
-  /// from the centre has moved by increment + turn r [1].
+  /// What the last step has added to the rotation, times the inverse of the rotation: the point that is now at the arm
+  /// r from the centre has moved by increment + turn r [1].
   Matrix3 turn{};
 };
 } // namespace dolfinx_impact::gap

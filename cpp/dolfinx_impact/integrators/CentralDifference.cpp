@@ -19,11 +19,12 @@ constexpr int steps_per_look = 4;
 CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
-      _scheme(scheme), _loads(_fields.owned), _contact(V->dofmap()->index_map->comm()), _energies(V->dofmap()->index_map->comm(),
-                                                        _internal.has_history() ? InternalEnergy::elastic
-                                                        : linear                ? InternalEnergy::quadratic
-                                                                                : InternalEnergy::work,
-                                                        scheme, alpha)
+      _scheme(scheme), _loads(_fields.owned), _contact(V->dofmap()->index_map->comm()),
+      _energies(V->dofmap()->index_map->comm(),
+                _internal.has_history() ? InternalEnergy::elastic
+                : linear                ? InternalEnergy::quadratic
+                                        : InternalEnergy::work,
+                scheme, alpha)
 {
   if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +

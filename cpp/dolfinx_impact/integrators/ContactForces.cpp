@@ -442,8 +442,7 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   {
     _pairs[k].obstacle = obstacles[k];
     for (const auto& direction : _pairs[k].contact.directions())
-      direction->restore_obstacle(
-          {.displacement = obstacles[k].displacement, .increment = obstacles[k].increment});
+      direction->restore_obstacle({.displacement = obstacles[k].displacement, .increment = obstacles[k].increment});
   }
   for (std::size_t i = 0; i < _bodies.size(); ++i)
     _bodies[i].body->state() = bodies[i];

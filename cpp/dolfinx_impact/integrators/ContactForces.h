@@ -163,7 +163,7 @@ private:
   std::vector<Body> _bodies;
   /// For each body force and moment, of this rank and of all.
   std::vector<double> _forces, _gathered;
-  bool _first_rank = true; ///< has it what is the same on all ranks?
+  bool _first_rank = true;                             ///< has it what is the same on all ranks?
   std::vector<enforcement::NodalContact*> _directions; ///< of all pairs, in their order
   std::vector<enforcement::SpringForces*> _springs;    ///< those of them that are springs
   ContactNodes _nodes;

@@ -17,10 +17,8 @@ typedef std::array<double, 4> Quaternion; // scalar first
 
 Quaternion product(const Quaternion& p, const Quaternion& q)
 {
-  return {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
-          p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
-          p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
-          p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]};
+  return {p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3], p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+          p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1], p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0]};
 }
 
 Quaternion inverse(const Quaternion& q)
@@ -87,7 +85,8 @@ state::State RigidBodyState::state(const std::string& name)
 {
   using state::Place;
   state::State out(name);
-  const auto add = [&](const char* field, auto& values) { out.add(field, Place::rank, state::View(std::span(values))); };
+  const auto add = [&](const char* field, auto& values)
+  { out.add(field, Place::rank, state::View(std::span(values))); };
   add("displacement", displacement);
   add("rotation", rotation);
   add("momentum", momentum);
@@ -111,7 +110,8 @@ RigidBody::RigidBody(const RigidBodyOptions& options) : _options(options)
   _rotation = num_fixed == 3 ? Rotation::fixed : num_fixed == 0 ? Rotation::free : Rotation::partly;
   for (int k = 0; k < 3; ++k)
     if (_rotation == Rotation::partly && o.fixed_spin[k] && o.spin[k] != 0.0)
-      throw std::invalid_argument("a rigid body whose spin is fixed in some components, not in all, has no spin in them");
+      throw std::invalid_argument(
+          "a rigid body whose spin is fixed in some components, not in all, has no spin in them");
   _now.displacement = o.displacement;
   for (int k = 0; k < 3; ++k)
     _now.momentum[k] = o.mass * o.velocity[k];
@@ -316,8 +316,7 @@ void RigidBody::advance(double dt, double h, bool starts)
   {
     _now.momentum[k] += h * f[k];
     _now.angular_momentum[k] += h * t[k];
-    _now.increment[k] =
-        dt * (_options.fixed_velocity[k] ? _options.velocity[k] : _now.momentum[k] / _options.mass);
+    _now.increment[k] = dt * (_options.fixed_velocity[k] ? _options.velocity[k] : _now.momentum[k] / _options.mass);
     _now.displacement[k] += _now.increment[k];
   }
   rotate(dt);

@@ -11,29 +11,29 @@ namespace dolfinx_impact::integrators
 /// What a rigid body is made with.
 struct RigidBodyOptions
 {
-  double mass = 0.0;                        ///< [M]
-  gap::Matrix3 inertia{};                   ///< about the centre, at the start [M L^2]
-  std::array<double, 3> centre{};           ///< of mass, before the displacement [L]
-  std::array<double, 3> displacement{};     ///< at the start [L]
-  std::array<double, 3> velocity{};         ///< at the start [L/T]
-  std::array<double, 3> spin{};             ///< angular velocity at the start [1/T]
-  std::array<bool, 3> fixed_velocity{};     ///< components of the velocity that stay as they are
-  std::array<bool, 3> fixed_spin{};         ///< components of the spin that stay as they are
+  double mass = 0.0;                    ///< [M]
+  gap::Matrix3 inertia{};               ///< about the centre, at the start [M L^2]
+  std::array<double, 3> centre{};       ///< of mass, before the displacement [L]
+  std::array<double, 3> displacement{}; ///< at the start [L]
+  std::array<double, 3> velocity{};     ///< at the start [L/T]
+  std::array<double, 3> spin{};         ///< angular velocity at the start [1/T]
+  std::array<bool, 3> fixed_velocity{}; ///< components of the velocity that stay as they are
+  std::array<bool, 3> fixed_spin{};     ///< components of the spin that stay as they are
 };
 
 /// What a rigid body's motion has of itself; all of it is the same on all ranks.
 struct RigidBodyState
 {
-  std::array<double, 3> displacement{};            ///< of the centre [L]
+  std::array<double, 3> displacement{};               ///< of the centre [L]
   std::array<double, 4> rotation{1.0, 0.0, 0.0, 0.0}; ///< unit quaternion, since the start [1]
-  std::array<double, 3> momentum{};                ///< half a step ago [M L/T]
-  std::array<double, 3> angular_momentum{};        ///< about the centre, half a step ago [M L^2/T]
-  std::array<double, 3> increment{};               ///< of the displacement in the last step [L]
-  std::array<double, 3> angle{};                   ///< rotation vector of the last step [1]
-  gap::Matrix3 turn{};                             ///< see RigidMotion [1]
-  std::array<double, 3> force{};                   ///< of contact, on the slaves, at the present time level [F]
-  gap::Matrix3 force_moment{};                     ///< see NodalContact::force_moment [F L]
-  Work work;                                       ///< of loads, and of contact forces where the motion is fixed
+  std::array<double, 3> momentum{};                   ///< half a step ago [M L/T]
+  std::array<double, 3> angular_momentum{};           ///< about the centre, half a step ago [M L^2/T]
+  std::array<double, 3> increment{};                  ///< of the displacement in the last step [L]
+  std::array<double, 3> angle{};                      ///< rotation vector of the last step [1]
+  gap::Matrix3 turn{};                                ///< see RigidMotion [1]
+  std::array<double, 3> force{};                      ///< of contact, on the slaves, at the present time level [F]
+  gap::Matrix3 force_moment{};                        ///< see NodalContact::force_moment [F L]
+  Work work;                                          ///< of loads, and of contact forces where the motion is fixed
 
   /// As named arrays, views.
   state::State state(const std::string& name);
@@ -41,9 +41,9 @@ struct RigidBodyState
 
 /// A rigid body that moves under the forces of contacts and loads, by steps as those of the nodes: momenta half a step
 /// after a time level from forces at it, then the place at the next one. The angular momentum in space is the variable
-/// of the rotation, so that a free body conserves it exactly; a free rotation is split into rotations of a top and about
-/// an axis of inertia, which are exact both: symplectic, the energy stays within a bound (Dullweber, Leimkuhler and
-/// McLachlan 1997; Fasso 2003). docs/rigid_bodies.md has the equations.
+/// of the rotation, so that a free body conserves it exactly; a free rotation is split into rotations of a top and
+/// about an axis of inertia, which are exact both: symplectic, the energy stays within a bound (Dullweber, Leimkuhler
+/// and McLachlan 1997; Fasso 2003). docs/rigid_bodies.md has the equations.
 class RigidBody
 {
 public:
@@ -91,15 +91,16 @@ public:
   /// Force and torque about the centre of all contacts on the body [F], [F L].
   std::array<double, 3> contact_force() const;
   std::array<double, 3> contact_torque() const;
-  /// Kinetic energy with the momenta of the time level; without that of a rotation whose components are all fixed [F L].
+  /// Kinetic energy with the momenta of the time level; without that of a rotation whose components are all fixed [F
+  /// L].
   double kinetic_energy(double dt) const;
 
   /// Energies of the time level of the last `advance` or `measure`.
   struct Energies
   {
-    double kinetic = 0.0;      ///< at the time level [F L]
-    double after = 0.0;        ///< with the momenta half a step later [F L]
-    double before = 0.0;       ///< with those half a step earlier [F L]
+    double kinetic = 0.0; ///< at the time level [F L]
+    double after = 0.0;   ///< with the momenta half a step later [F L]
+    double before = 0.0;  ///< with those half a step earlier [F L]
   };
   const Energies& energies() const { return _energies; }
   /// Work of loads, and of contact forces on what is fixed, up to the time level, and up to half a step before [F L].
@@ -130,9 +131,9 @@ private:
 
   RigidBodyOptions _options;
   Rotation _rotation = Rotation::free;
-  std::array<double, 3> _moments{};          ///< principal; the first two are those that differ least [M L^2]
+  std::array<double, 3> _moments{};             ///< principal; the first two are those that differ least [M L^2]
   std::array<std::array<double, 3>, 3> _axes{}; ///< principal axes at the start, right-handed [1]
-  double _least = 0.0;                       ///< least principal moment [M L^2]
+  double _least = 0.0;                          ///< least principal moment [M L^2]
   RigidBodyState _now;
   std::array<double, 3> _load{}, _load_torque{};
   Energies _energies;

@@ -168,12 +168,16 @@ class RigidBody(_Rigid):
         self.inertia = _inertia(inertia)
         if centre is None:
             if not isinstance(surface, (RigidSphere, RigidCylinder)):
-                raise ValueError(f"a rigid body with the surface of a {type(surface).__name__} needs its centre of mass")
+                raise ValueError(
+                    f"a rigid body with the surface of a {type(surface).__name__} needs its centre of mass"
+                )
             centre = surface._point + surface.displacement
         self.centre = _vector("centre", centre)
         self._start_velocity, self._start_spin = _vector("velocity", velocity), _turning("spin", spin)
         #: as a vector, which static problems read; None: a function of time
-        self._given_force = None if _in_time(force) else np.array(_vector("force", (0, 0, 0) if force is None else force))
+        self._given_force = (
+            None if _in_time(force) else np.array(_vector("force", (0, 0, 0) if force is None else force))
+        )
         self._force, self._torque = _load("force", force), _load("torque", torque)
         if self.inertia is None and np.any(self._start_spin) and not set(ROTATIONS) <= set(self.fixed):
             raise ValueError(

@@ -53,9 +53,7 @@ def momenta(problem, body):
     p[:, :dim] = m * problem.velocity.x.array[:owned].reshape(-1, dim)
     here = np.concatenate([p.sum(axis=0), np.cross(x, p).sum(axis=0)])
     there = problem.u.function_space.mesh.comm.allreduce(here, MPI.SUM)
-    return there + np.concatenate(
-        [body.momentum, np.cross(body.position, body.momentum) + body.angular_momentum]
-    )
+    return there + np.concatenate([body.momentum, np.cross(body.position, body.momentum) + body.angular_momentum])
 
 
 def check_a_free_block_and_a_ball():

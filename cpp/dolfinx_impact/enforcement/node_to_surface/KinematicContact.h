@@ -97,8 +97,8 @@ private:
   void record_all(const CorrectedNodes& nodes, double h, double dt);
 
   int _sweeps;
-  int _num_masters; ///< nodes of a master facet; 0 if the master is rigid
-  gap::RigidMotion _obstacle_before; ///< in the step before
+  int _num_masters;                     ///< nodes of a master facet; 0 if the master is rigid
+  gap::RigidMotion _obstacle_before;    ///< in the step before
   std::vector<double> _absorbed_energy; ///< by contact since the node closed, by slave node [F L]
   std::vector<double> _impulse;         ///< decaying sum of those of the normal forces, by slave node [F T]
   std::vector<Closed> _closed_now;
