@@ -170,23 +170,7 @@ void bind_rigid_body(nb::module_& m)
           "kinetic_energy", [](const RigidBodyInTime& self, double dt) { return self.body.kinetic_energy(dt); },
           nb::arg("dt"))
       .def_prop_ro("contact_force", [](const RigidBodyInTime& self) { return self.body.contact_force(); })
-      .def_prop_ro("contact_torque", [](const RigidBodyInTime& self) { return self.body.contact_torque(); })
-      .def(
-          "begin", [](RigidBodyInTime& self) { self.body.begin(); }, "Works count from here")
-      .def(
-          "set_loads", [](RigidBodyInTime& self, Vector force, Vector torque) { self.body.set_loads(force, torque); },
-          nb::arg("force"), nb::arg("torque"))
-      .def(
-          "advance",
-          [](RigidBodyInTime& self, double dt, int steps)
-          {
-            for (int k = 0; k < steps; ++k)
-            {
-              self.body.advance(dt, dt, false);
-              self.body.commit();
-            }
-          },
-          nb::arg("dt"), nb::arg("steps") = 1, "Steps of equal lengths under constant forces");
+      .def_prop_ro("contact_torque", [](const RigidBodyInTime& self) { return self.body.contact_torque(); });
 }
 
 void bind_history(nb::module_& m)

@@ -24,7 +24,7 @@ from . import matched_body, nodes
 SLAVE, MASTER, TOP, BOTTOM = 1, 2, 3, 4
 BETWEEN = 0.5  # distance of the bodies while the mesh is made and tagged [L]
 # Rigid obstacles on our side, and the same obstacle on both sides.
-OurObstacle: TypeAlias = Union[contact.RigidPlane, contact.RigidSphere, contact.RigidCylinder, contact.RigidBody]
+OurObstacle: TypeAlias = Union[contact.RigidPlane, contact.RigidSphere, contact.RigidCylinder]
 ObstaclePair: TypeAlias = tuple[OurObstacle, TheirObstacle]
 
 

@@ -123,7 +123,7 @@ bool RigidEquilibrium::approach(const Solver& solver, std::span<const double> ta
 
 solve::Increment RigidEquilibrium::run(const Solver& solver, std::span<const double> target)
 {
-  const auto u = _problem->u->x()->array();
+  const std::span<const double> u = _problem->u->x()->array();
   _start.assign(u.begin(), u.end());
   _saved.clear();
   _obstacles.clear();

@@ -353,12 +353,6 @@ class RigidBodyInTime:
     def contact_force(self) -> list[float]: ...
     @property
     def contact_torque(self) -> list[float]: ...
-    def begin(self) -> None:
-        """Works count from here"""
-
-    def set_loads(self, force: Sequence[float], torque: Sequence[float]) -> None: ...
-    def advance(self, dt: float, steps: int = 1) -> None:
-        """Steps of equal lengths under constant forces"""
 
 class RollingProblem:
     """Bodies through whose meshes the material flows steadily"""

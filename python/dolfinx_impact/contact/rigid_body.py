@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import weakref
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from ..common.arguments import number
 from ..common.fixed import read_only
 from ..common.types import ArrayLike, FloatArray
 from .rigid import RigidCylinder, RigidSphere, _Rigid, _vector
-
-if TYPE_CHECKING:
-    from .protocol import ExplicitContactProblem
 
 TRANSLATIONS = ("x", "y", "z")
 ROTATIONS = ("rx", "ry", "rz")
@@ -45,10 +42,11 @@ class StaticBody:
         self._centre, self._problem = body.centre, weakref.ref(problem)
         self.contacts, self.fixed = contacts, fixed
         assert body._given_force is not None  # it was checked
-        self.force, self.reached = body._given_force, np.zeros(3)
+        self.force: Any = body._given_force
+        self.reached: Any = np.zeros(3)
 
     def _contacts(self) -> list[Any]:
-        problem = self._problem()
+        problem: Any = self._problem()
         return [problem.contact[k] for k in self.contacts]
 
     @property
@@ -109,7 +107,8 @@ class RigidBody(_Rigid):
 
     Args:
         surface: its surface where it is at the start: RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
-        mass: mass; None: in static problems, or if all translations are `fixed`. With symmetry supports, the part of it that the mesh has [M].
+        mass: mass; None: in static problems, or if all translations are `fixed`. Where the mesh is a part of the
+            bodies between planes of symmetry, the same part of it [M].
         inertia: about the centre: a number (of the rotation in the plane, or about all axes in space), the moments
             about x, y and z, (3), or the tensor, (3, 3); None: all rotations are fixed [M L^2].
         centre: centre of mass, (2) or (3); None: the centre of a ball or of a cylinder [L].
@@ -215,17 +214,25 @@ class RigidBody(_Rigid):
         """Displacement of the surface at the start, (3) [L]."""
         return self._displacement
 
+    @displacement.setter
+    def displacement(self, value: ArrayLike) -> None:
+        raise ValueError("a RigidBody moves by forces: displace its surface before it is made, or give `fixed`")
+
     @property
     def motion(self) -> Any:
         """None: it moves by forces."""
         return None
+
+    @motion.setter
+    def motion(self, value: Any) -> None:
+        raise ValueError("a RigidBody moves by forces, not as a function of time: give `fixed` and a velocity")
 
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         made = self.surface.obstacle(gdim)
         made.centre = [*map(float, self.centre - self._displacement)]
         return made
 
-    def bind(self, problem: ExplicitContactProblem) -> _cpp.problems.RigidBodyInTime:
+    def bind(self, problem: Any) -> _cpp.problems.RigidBodyInTime:
         """The body on the C++ side, one object for all contacts of a problem.
 
         Args:
@@ -340,6 +347,10 @@ class RigidBody(_Rigid):
         """Velocity of the centre, (3) [L/T]."""
         body, dt = self._moving()
         return np.array(body.velocity(dt))
+
+    @velocity.setter
+    def velocity(self, value: ArrayLike) -> None:
+        raise ValueError("the velocity of a RigidBody is a result: give that of the start when it is made")
 
     @property
     def spin(self) -> FloatArray:

@@ -242,7 +242,7 @@ def block_under_ball(domain: Mesh, degree: int, friction: float) -> TwoBodies:
     ours = contact.RigidBody(
         round_body(center, radius), mass=mass, inertia=inertia, velocity=velocity, spin=spin, force=force
     )
-    ball = ours, impact_reference.RigidBall(center, radius, mass, inertia, velocity, spin, force)
+    ball: Any = ours, impact_reference.RigidBall(center, radius, mass, inertia, velocity, spin, force)
     hypothesis = "3d" if dim == 3 else "plane_strain"
     return body_of(domain, face_tags(domain, 1.0), degree, hypothesis, friction=friction, rigid=ball)
 

@@ -10,6 +10,7 @@ from on_ranks import rank_tests
 from rigid_body_checks import ball, block, pressed, round_body, thrown
 
 import dolfinx_impact as di
+from dolfinx_impact.contact.rigid_body import StaticBody
 
 test_one_rank, test_several_ranks = rank_tests(rigid_body_checks, ranks=(2, 3))
 
@@ -51,7 +52,11 @@ def test_a_static_body_goes_on_from_its_checkpoint(tmp_path):
         return pressed(SELF, 2, di.Lagrange, body), body
 
     whole, body = make()
+    assert isinstance(body._body, StaticBody) and np.all(body.force == 0.0)
     whole.solve()
+    assert np.all(body.rotation == np.eye(3)) and np.all(body.velocity == 0.0) and body.kinetic_energy == 0.0
+    # The forces' resultant passes through the centre of a disc without friction.
+    np.testing.assert_allclose(body.torque, 0.0, atol=1e-6)
     whole.save(tmp_path / "half.h5")
     body.external_force = (0.0, -6.0)
     whole.solve(steps=2)
@@ -197,6 +202,9 @@ def test_what_is_refused():
     moved.motion = lambda t: (0.0, 0.0, t)
     with pytest.raises(ValueError, match="has a motion"):
         di.RigidBody(moved, mass=1.0)
+    for name, value in (("displacement", (0, 0, 1)), ("motion", lambda t: (0, 0, t)), ("velocity", (0, 0, 1))):
+        with pytest.raises(ValueError, match="moves by forces|is a result"):
+            setattr(ball(3), name, value)
     lone = di.RigidBody(di.RigidSphere((0, 0, 0), 1.0), mass=1.0)
     with pytest.raises(RuntimeError, match="belongs to no problem"):
         lone.velocity  # noqa: B018
