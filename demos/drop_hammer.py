@@ -1,8 +1,9 @@
 # # A drop hammer
 #
-# A hammer of 100 kg falls on a copper billet that stands on an anvil, and upsets it. Hammer and anvil are rigid; how far
-# the hammer comes is not given, but follows: its energy $M v^2/2$ becomes plastic work, and friction at both ends makes
-# a barrel of the billet. An ideal billet without friction, whose yield stress $Y$ does not harden, would take the energy
+# A hammer of 100 kg falls on a copper billet that stands on an anvil, and upsets it. Hammer and anvil are rigid. How
+# far the hammer comes is not given, but follows: its energy $M v^2/2$ becomes plastic work, and friction at both ends
+# makes a barrel of the billet. An ideal billet without friction, whose yield stress $Y$ does not harden, would take the
+# energy
 #
 # $$ \tfrac12 M v^2 = Y\,V \ln(H/h), $$
 #

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A rigid ball and an elastic half-space: dropped (I-5 of the benchmarks with one rigid body), and under a force (A-2)."""
+"""A rigid ball and an elastic half-space: dropped (I-5 of the benchmarks with one rigid body), under a force (A-2)."""
 
 import numpy as np
 import pytest
