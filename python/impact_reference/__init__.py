@@ -6,7 +6,7 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
+from . import contact, elements, explicit, interface, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .discretisation import StaticSolution
@@ -33,6 +33,15 @@ from .elements import (
     second_piola,
 )
 from .explicit import ExplicitResult, NodalKinematic, NodalPenalty, RigidBall
+from .interface import (
+    InterfaceHistory,
+    adhesive_pressure,
+    cohesive_history,
+    damped_pressure,
+    exponential_pressure,
+    friction_history,
+    spring_pressure,
+)
 from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
@@ -55,6 +64,7 @@ __all__ = [
     "Csr",
     "ExplicitResult",
     "ImplicitContact",
+    "InterfaceHistory",
     "J2Answer",
     "J2History",
     "J2Parameters",
@@ -78,7 +88,10 @@ __all__ = [
     "Spinning",
     "StaticSolution",
     "Translating",
+    "adhesive_pressure",
+    "cohesive_history",
     "contact",
+    "damped_pressure",
     "default_rule",
     "element_ale_inertia",
     "element_ale_load",
@@ -102,9 +115,12 @@ __all__ = [
     "element_traction",
     "elements",
     "explicit",
+    "exponential_pressure",
     "facet_nodes",
     "facet_type",
     "facets",
+    "friction_history",
+    "interface",
     "model",
     "newmark",
     "plastic_body",
@@ -116,5 +132,6 @@ __all__ = [
     "second_piola",
     "shape_functions",
     "sparse",
+    "spring_pressure",
     "streamlines",
 ]

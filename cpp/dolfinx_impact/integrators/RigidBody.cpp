@@ -86,7 +86,7 @@ state::State RigidBodyState::state(const std::string& name)
   using state::Place;
   state::State out(name);
   const auto add = [&](const char* field, auto& values)
-  { out.add(field, Place::rank, state::View(std::span(values))); };
+  { out.add(field, Place::all, state::View(std::span(values))); };
   add("displacement", displacement);
   add("rotation", rotation);
   add("momentum", momentum);
@@ -96,7 +96,7 @@ state::State RigidBodyState::state(const std::string& name)
   add("turn", turn);
   add("force", force);
   add("force_moment", force_moment);
-  out.add("work_done", Place::rank, work.done).add("work_before", Place::rank, work.before);
+  out.add("work_done", Place::all, work.done).add("work_before", Place::all, work.before);
   return out;
 }
 

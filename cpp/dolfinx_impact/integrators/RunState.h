@@ -24,8 +24,8 @@ struct RunState
   /// @param[in] num_bodies rigid bodies
   RunState(std::size_t num_owned, std::size_t num_terms, std::size_t num_contacts, std::size_t num_bodies);
 
-  /// As a tree of named arrays, views: those of nodes, and the parts "works", sums over ranks, and "common" and
-  /// "body0", ..., the same on all ranks.
+  /// As a tree of named arrays, views: those of nodes, and the parts "works", sums over ranks, "common", the
+  /// same on all ranks, and "body0", ..., of no rank.
   /// @param[in] bs components of a node
   state::State state(std::size_t bs);
 

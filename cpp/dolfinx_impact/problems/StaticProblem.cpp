@@ -101,7 +101,10 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
     for (std::size_t k : body.contacts)
       _obstacles[k] = p.contacts[k]->displacement();
   for (const auto& contact : p.contacts)
+  {
+    contact->check_without_time();
     contact->check_parameters();
+  }
   dolfinx::la::Vector<double> target(*p.u->x());
   for (const auto& bc : _bcs)
     bc->set(common::array(target), std::nullopt, 1.0);

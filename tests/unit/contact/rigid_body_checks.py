@@ -4,8 +4,10 @@
 import numpy as np
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
+from dolfinx_impact import interface
 
 COMM = MPI.COMM_WORLD
 
@@ -149,6 +151,32 @@ def check_a_disc_in_a_groove():
     np.testing.assert_allclose(mass * body.velocity[1], impulse, rtol=1e-9)
 
 
+def check_a_checkpoint_of_all_ranks():
+    """Written by all ranks, read by each alone and by all: the body is where it was, and goes on."""
+
+    def make(comm):
+        body = ball(2)
+        return thrown(comm, 2, body), body
+
+    whole, body = make(COMM)
+    dt = 0.5 * whole.stable_step()
+    whole.advance(30 * dt, dt=dt, progress=False)
+    with shared_folder() as path:
+        whole.save(path / "half.h5")
+        COMM.barrier()
+        whole.advance(60 * dt, dt=dt, progress=False)
+        for comm in (COMM, MPI.COMM_SELF):
+            again, other = make(comm)
+            again.restore(path / "half.h5")
+            again.advance(60 * dt, dt=dt, progress=False)
+            # Sums of other ranks in another order, over thirty steps.
+            np.testing.assert_allclose(other.position, body.position, rtol=1e-11)
+            np.testing.assert_allclose(other.rotation, body.rotation, rtol=0, atol=1e-11)
+            np.testing.assert_allclose(other.velocity, body.velocity, rtol=0, atol=1e-10)
+            np.testing.assert_allclose(again.energy["kinetic"], whole.energy["kinetic"], rtol=1e-10)
+            np.testing.assert_allclose(again.energy["external"], whole.energy["external"], rtol=0, atol=1e-12)
+
+
 def check_a_light_body():
     """A body lighter than the cells that it meets: the step bears the springs, which give way with it."""
     body = ball(2, mass=0.002, velocity=(0.05, -0.5))
@@ -222,3 +250,19 @@ def check_nothing_bears_a_body():
     else:
         raise AssertionError("a force that pulls the body away has found its equilibrium")
     assert np.array_equal(lifted.position, lifted.centre), "it is back where it was"
+
+
+def check_a_law_of_the_interface():
+    """A law in the place of the penalty, with friction: momentum and angular momentum stay, too."""
+    body = ball(2)
+    V, tags = block(COMM, 2)
+    law = interface.linear_pressure(300.0, friction=0.3)
+    contact = di.Penalty(di.ContactPair(tags, 1, body), law=law)
+    problem = di.ExplicitProblem(
+        fem.Function(V), di.NeoHookean(100.0, 0.3, 1.0, "plane_strain"), contact=[contact]
+    )
+    before = momenta(problem, body)
+    problem.advance(0.3, progress=False)
+    assert np.abs(problem.force_history[0][:, 1]).max() > 0.1 and problem.energy["friction"] > 0.0
+    np.testing.assert_allclose(momenta(problem, body), before, rtol=0, atol=1e-12 * np.abs(before).max())
+    assert abs(problem.energy["drift"]) < 5e-3, problem.energy

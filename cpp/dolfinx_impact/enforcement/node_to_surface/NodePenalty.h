@@ -64,10 +64,6 @@ public:
   /// not shorten the stable step.
   double added_square_frequency(std::span<const double> mass) const override;
 
-  /// The master is a rigid body: area of the slaves of all its contacts times an upper bound of what a unit force at a
-  /// contact point accelerates it by, at any contact point; zero: it moves as prescribed [L^2/M].
-  void set_mobility(double mobility) { _mobility = mobility; }
-
   /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
   const std::vector<double>& stiffness() const { return _stiffness; }
   /// Springs in a given configuration, outside of time stepping; call after `number`.
@@ -94,7 +90,6 @@ private:
 
   double _penalty, _kappa, _share;
   bool _by_step;
-  double _mobility = 0.0;
   NodalCompliances _known;               ///< empty: none known
   std::vector<double> _all_known;        ///< of the master over the nodes of the Halo of `needs` [L/F]
   std::vector<double> _master_here;      ///< by position in NodeTracker's list of master nodes [L/F]

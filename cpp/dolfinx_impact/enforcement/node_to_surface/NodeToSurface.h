@@ -53,6 +53,9 @@ public:
   double largest_position() const override { return _obstacle_size; }
   gap::Matrix3 force_moment() const override { return _force_moment; }
   void set_obstacle(const gap::RigidMotion& motion) override;
+  /// The master is a rigid body: area of the slaves of all its contacts times an upper bound of what a unit force at a
+  /// contact point accelerates it by, at any contact point; zero: it moves as prescribed [L^2/M].
+  void set_mobility(double mobility) { _mobility = mobility; }
 
   const NodeCandidates& candidates() const { return _candidates; }
   const NodeToSurfaceOptions& options() const { return _options; }
@@ -129,6 +132,11 @@ protected:
   void add_to_sums(std::size_t i, const double* u, const double* force);
   /// Projection of node i on the rigid master in the configuration u - back*du.
   search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
+  /// Upper bound of what forces per motion and area, at slave nodes wherever they meet the master, are over the masses of
+  /// the nodes that they act on. Collective.
+  /// @param[in] per_area force per motion and area
+  /// @param[in] mass of owned nodes of the space [M]
+  double per_mass(double per_area, std::span<const double> mass) const;
   /// True if contact forces need a moment correction (deformable master, not axisymmetric).
   bool corrects_moments() const { return !_rigid && !_options.axisymmetric; }
   std::size_t num_nodes() const { return _closed.size(); }
@@ -138,6 +146,7 @@ protected:
   bool _rigid;
   gap::Rigid _obstacle;
   gap::RigidMotion _obstacle_motion;
+  double _mobility = 0.0;
   NodeCandidates _candidates;
   search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
