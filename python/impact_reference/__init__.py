@@ -6,7 +6,20 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, interface, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
+from . import (
+    contact,
+    elements,
+    explicit,
+    interface,
+    model,
+    newmark,
+    plastic_body,
+    plasticity,
+    rolling,
+    rules,
+    sparse,
+    streamlines,
+)
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .discretisation import StaticSolution

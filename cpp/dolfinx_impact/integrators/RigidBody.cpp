@@ -85,8 +85,7 @@ state::State RigidBodyState::state(const std::string& name)
 {
   using state::Place;
   state::State out(name);
-  const auto add = [&](const char* field, auto& values)
-  { out.add(field, Place::all, state::View(std::span(values))); };
+  const auto add = [&](const char* field, auto& values) { out.add(field, Place::all, state::View(std::span(values))); };
   add("displacement", displacement);
   add("rotation", rotation);
   add("momentum", momentum);

@@ -174,6 +174,7 @@ def derivative(subject: LawSubject) -> Found:
         given = np.asarray(whole.by(name))
         rows = given.reshape(POINTS, 1 + subject.gdim, width) if given.size else None
         for c in range(width):
+
             def moved(h: float) -> FloatArray:
                 values = state.values()
                 array = values[name].reshape(POINTS, width).copy()
@@ -256,7 +257,9 @@ def rotation(subject: LawSubject) -> Found:
     q *= np.linalg.det(q)
     dt = subject.length / subject.velocity / STEPS
     plain = subject.start()
-    turned = State(plain.gap, plain.slip, plain.gap_rate, plain.slip_rate, plain.normal @ q.T, dict(plain.history), plain.fields)
+    turned = State(
+        plain.gap, plain.slip, plain.gap_rate, plain.slip_rate, plain.normal @ q.T, dict(plain.history), plain.fields
+    )
     worst = 0.0
     for k in range(1, STEPS):
         plain, found = subject.advanced(plain, gaps[k], slips[k], dt)

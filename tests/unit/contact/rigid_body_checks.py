@@ -258,9 +258,7 @@ def check_a_law_of_the_interface():
     V, tags = block(COMM, 2)
     law = interface.linear_pressure(300.0, friction=0.3)
     contact = di.Penalty(di.ContactPair(tags, 1, body), law=law)
-    problem = di.ExplicitProblem(
-        fem.Function(V), di.NeoHookean(100.0, 0.3, 1.0, "plane_strain"), contact=[contact]
-    )
+    problem = di.ExplicitProblem(fem.Function(V), di.NeoHookean(100.0, 0.3, 1.0, "plane_strain"), contact=[contact])
     before = momenta(problem, body)
     problem.advance(0.3, progress=False)
     assert np.abs(problem.force_history[0][:, 1]).max() > 0.1 and problem.energy["friction"] > 0.0

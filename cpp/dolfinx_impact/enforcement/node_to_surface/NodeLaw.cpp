@@ -165,11 +165,10 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
   for (int c = 0; c < D && _begun; ++c)
     shear_work -= 0.5 * (last[c] + shear[c]) * (motion[c] - along * n[c]);
   const double shear_stored = _tractions.shear_energy.empty() ? 0.0 : _tractions.shear_energy[p];
-  const double stored = _law->has_energy() ? _tractions.energy[p]
-                                           : _last_stored[i] + normal_work +
-                                                 (_tractions.shear_energy.empty()
-                                                      ? shear_work
-                                                      : shear_stored - _last_shear_stored[i]);
+  const double stored = _law->has_energy()
+                            ? _tractions.energy[p]
+                            : _last_stored[i] + normal_work +
+                                  (_tractions.shear_energy.empty() ? shear_work : shear_stored - _last_shear_stored[i]);
   // What is stored where the run begins was not done by it.
   const double dissipated = _begun ? area * (normal_work + shear_work - (stored - _last_stored[i])) : 0.0;
   if (_law->has_shear())

@@ -132,8 +132,8 @@ protected:
   void add_to_sums(std::size_t i, const double* u, const double* force);
   /// Projection of node i on the rigid master in the configuration u - back*du.
   search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
-  /// Upper bound of what forces per motion and area, at slave nodes wherever they meet the master, are over the masses of
-  /// the nodes that they act on. Collective.
+  /// Upper bound of what forces per motion and area, at slave nodes wherever they meet the master, are over the masses
+  /// of the nodes that they act on. Collective.
   /// @param[in] per_area force per motion and area
   /// @param[in] mass of owned nodes of the space [M]
   double per_mass(double per_area, std::span<const double> mass) const;
