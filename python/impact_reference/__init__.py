@@ -45,7 +45,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
-from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
+from .explicit import ExplicitResult, NodalKinematic, NodalPenalty, RigidBall
 from .interface import (
     InterfaceHistory,
     adhesive_pressure,
@@ -93,6 +93,7 @@ __all__ = [
     "PlasticBody",
     "PlasticElement",
     "PlasticStates",
+    "RigidBall",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",

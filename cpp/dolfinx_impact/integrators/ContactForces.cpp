@@ -9,6 +9,11 @@ namespace dolfinx_impact::integrators
 {
 using common::Stopwatch;
 
+namespace
+{
+constexpr std::size_t sums_of_body = 12; ///< force and its moment
+}
+
 void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
 {
   std::vector<enforcement::SpringForces*> springs;
@@ -33,8 +38,36 @@ void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
     _kinematic_step.add(contact);
   for (enforcement::ExplicitTie* tie : ties)
     _tie_step.add(tie);
-  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, {}});
+  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, {}, nullptr});
   _search_due = true;
+}
+
+void ContactForces::add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body)
+{
+  if (!body)
+    throw std::invalid_argument("there is no rigid body");
+  if (pair.directions().size() != 1 || !dynamic_cast<enforcement::SpringForces*>(pair.directions().front().get()))
+    throw std::invalid_argument("contact with a rigid body acts by SpringForces, in one direction");
+  add(std::move(pair), std::array{-1, -1, -1});
+  _pairs.back().body = body;
+  if (std::ranges::find(_bodies, body, &Body::body) != _bodies.end())
+    return;
+  _bodies.push_back({std::move(body)});
+  int rank = 0, size = 1;
+  MPI_Comm_rank(_comm, &rank);
+  MPI_Comm_size(_comm, &size);
+  _first_rank = rank == 0;
+  _forces.assign(_bodies.size() * sums_of_body, 0.0);
+  _gathered.assign(_forces.size() * size, 0.0);
+}
+
+void ContactForces::set_body_loads(const RigidBody& body, std::array<int, 3> force, std::array<int, 3> torque)
+{
+  const auto found = std::ranges::find_if(_bodies, [&](const Body& b) { return b.body.get() == &body; });
+  if (found == _bodies.end())
+    throw std::invalid_argument("the rigid body with these loads is the master of no contact");
+  found->force = force;
+  found->torque = torque;
 }
 
 void ContactForces::set_step(double dt)
@@ -103,8 +136,115 @@ void ContactForces::move_obstacles(const double* amplitudes, bool first)
       o.increment[k] = first ? 0.0 : displacement[k] - o.displacement[k];
     o.displacement = displacement;
     for (const auto& direction : pair.contact.directions())
-      direction->set_obstacle(o.displacement, o.increment);
+      direction->set_obstacle({.displacement = o.displacement, .increment = o.increment});
   }
+  if (!first || _bodies.empty())
+    return;
+  for (const Body& b : _bodies)
+    b.body->begin();
+  place_bodies();
+}
+
+void ContactForces::place_bodies()
+{
+  for (const Pair& pair : _pairs)
+    if (pair.body)
+      for (const auto& direction : pair.contact.directions())
+        direction->set_obstacle(pair.body->motion());
+}
+
+void ContactForces::apply_loads(const double* amplitudes)
+{
+  const auto load = [amplitudes](const std::array<int, 3>& columns)
+  {
+    std::array<double, 3> out{};
+    for (int k = 0; k < 3; ++k)
+      out[k] = columns[k] < 0 ? 0.0 : amplitudes[columns[k]];
+    return out;
+  };
+  for (const Body& b : _bodies)
+    b.body->set_loads(load(b.force), load(b.torque));
+}
+
+void ContactForces::advance_bodies(double dt, double h, bool starts)
+{
+  for (const Body& b : _bodies)
+    b.body->advance(dt, h, starts);
+  place_bodies();
+}
+
+void ContactForces::measure_bodies(double h, bool starts)
+{
+  for (const Body& b : _bodies)
+    b.body->measure(h, starts);
+}
+
+void ContactForces::sum_forces_on_bodies()
+{
+  if (_bodies.empty())
+    return;
+  const Stopwatch watch(_seconds);
+  std::ranges::fill(_forces, 0.0);
+  for (const Pair& pair : _pairs)
+    if (pair.body)
+    {
+      const auto at = std::ranges::find(_bodies, pair.body, &Body::body) - _bodies.begin();
+      double* const sums = _forces.data() + at * sums_of_body;
+      const std::array<double, 3> force = pair.contact.force();
+      const gap::Matrix3 moment = pair.contact.force_moment();
+      for (std::size_t k = 0; k < 3; ++k)
+        sums[k] += force[k];
+      for (std::size_t k = 0; k < 9; ++k)
+        sums[3 + k] += moment[k];
+    }
+  // MPI_Allreduce may round differently on different ranks, and the bodies must be the same on all.
+  const int count = int(_forces.size());
+  MPI_Allgather(_forces.data(), count, MPI_DOUBLE, _gathered.data(), count, MPI_DOUBLE, _comm);
+  std::ranges::fill(_forces, 0.0);
+  for (std::size_t k = 0; k < _gathered.size(); ++k)
+    _forces[k % _forces.size()] += _gathered[k];
+  for (std::size_t i = 0; i < _bodies.size(); ++i)
+  {
+    const double* const sums = _forces.data() + i * sums_of_body;
+    std::array<double, 3> force;
+    gap::Matrix3 moment;
+    std::copy_n(sums, 3, force.begin());
+    std::copy_n(sums + 3, 9, moment.begin());
+    _bodies[i].body->set_contact_forces(force, moment);
+  }
+}
+
+double ContactForces::half_obstacle_work() const
+{
+  double work = _half_obstacle_work;
+  if (_first_rank)
+    for (const Body& b : _bodies)
+      work += b.body->half_external_work();
+  return work;
+}
+
+double ContactForces::half_body_energy() const
+{
+  double energy = 0.0;
+  if (_first_rank)
+    for (const Body& b : _bodies)
+      energy += b.body->energies().before;
+  return energy;
+}
+
+void ContactForces::commit()
+{
+  _work.commit(0.0);
+  for (const Body& b : _bodies)
+    b.body->commit();
+}
+
+std::vector<RigidBodyState> ContactForces::bodies() const
+{
+  std::vector<RigidBodyState> out;
+  for (const Body& b : _bodies)
+    out.push_back(b.body->state());
+  return out;
 }
 
 double ContactForces::largest_position() const
@@ -142,7 +282,8 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   const Stopwatch watch(_seconds);
   _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
   for (const Pair& pair : _pairs)
-    _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+    if (!pair.body)
+      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
   _obstacle_work += _tie_step.support_work_after();
   _half_obstacle_work = _obstacle_work;
   if (!_search_due)
@@ -160,7 +301,7 @@ void ContactForces::evaluate(NodalFields& fields)
   for (enforcement::SpringForces* springs : _springs)
     springs->add_forces(state(), _nodes.springs);
   for (const Pair& pair : _pairs)
-    if (!pair.corrects)
+    if (!pair.corrects && !pair.body)
       _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
   const ContactNodes::Products products = _nodes.add_springs(fields);
   _position = products.position;
@@ -237,6 +378,14 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.terms_position -= 0.5 * _position;
   }
   sums.load_work += _obstacle_work;
+  if (_first_rank)
+    for (const Body& b : _bodies)
+    {
+      const RigidBody::Energies& energies = b.body->energies();
+      sums.kinetic += energies.kinetic;
+      sums.speed += energies.after;
+      sums.load_work += b.body->external_work();
+    }
   sums.searches_due = _searches_due;
   for (const Pair& pair : _pairs)
   {
@@ -298,7 +447,7 @@ void ContactForces::forget_searches()
 }
 
 void ContactForces::restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
-                            const std::vector<Obstacle>& obstacles)
+                            const std::vector<Obstacle>& obstacles, const std::vector<RigidBodyState>& bodies)
 {
   if (empty())
     return;
@@ -310,8 +459,11 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   {
     _pairs[k].obstacle = obstacles[k];
     for (const auto& direction : _pairs[k].contact.directions())
-      direction->restore_obstacle(obstacles[k].displacement, obstacles[k].increment);
+      direction->restore_obstacle({.displacement = obstacles[k].displacement, .increment = obstacles[k].increment});
   }
+  for (std::size_t i = 0; i < _bodies.size(); ++i)
+    _bodies[i].body->state() = bodies[i];
+  place_bodies();
   for (enforcement::NodalContact* contact : _directions)
     contact->forget_search();
 }

@@ -24,6 +24,33 @@ namespace
 {
 /// Of the bodies' size: what static solutions leave of the conditions of ties.
 constexpr double tied_start = 1e-9;
+/// Rigid bodies of contacts, each once.
+std::vector<std::shared_ptr<RigidBodyInTime>> bodies_of(const std::vector<ContactInTime>& contacts)
+{
+  std::vector<std::shared_ptr<RigidBodyInTime>> out;
+  for (const ContactInTime& c : contacts)
+    if (c.body && std::ranges::find(out, c.body) == out.end())
+      out.push_back(c.body);
+  return out;
+}
+
+/// The integrator's view of a rigid body, which keeps all of it.
+std::shared_ptr<integrators::RigidBody> in_integrator(const std::shared_ptr<RigidBodyInTime>& body)
+{
+  return {body, &body->body};
+}
+
+/// Add a function of time with three components.
+std::array<int, 3> add_vector(FunctionsOfTime& functions, const std::optional<FunctionOfTime>& function,
+                              const std::string& what)
+{
+  if (!function)
+    return {-1, -1, -1};
+  if (function->size() != 3)
+    throw std::invalid_argument(what + " has three components");
+  const int first = functions.add(*function);
+  return {first, first + 1, first + 2};
+}
 
 /// Bodies with scheme, supports, loads and contacts: what steps.
 std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBody& body, TransientProblem& problem,
@@ -49,10 +76,19 @@ std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBo
     out.add_load(load.dofs, load.values, load.amplitude ? column++ : -1);
   for (const ContactInTime& c : contacts)
   {
-    const int first = c.motion ? problem.functions().add(*c.motion) : -1;
-    if (c.motion && c.motion->size() != 3)
-      throw std::invalid_argument(c.name + ": the motion of a rigid master has three components");
-    out.add_contact(c.contact, first < 0 ? std::array{-1, -1, -1} : std::array{first, first + 1, first + 2});
+    if (c.motion && c.body)
+      throw std::invalid_argument(c.name + ": a rigid body moves by forces, not as a function of time");
+    const auto columns = add_vector(problem.functions(), c.motion, c.name + ": the motion of a rigid master");
+    if (c.body)
+      out.add_rigid_body_contact(c.contact, in_integrator(c.body));
+    else
+      out.add_contact(c.contact, columns);
+  }
+  for (const auto& rigid : bodies_of(contacts))
+  {
+    const auto force = add_vector(problem.functions(), rigid->force, "the force on a rigid body");
+    const auto torque = add_vector(problem.functions(), rigid->torque, "the torque on a rigid body");
+    out.set_body_loads(rigid->body, force, torque);
   }
   out.set_release_limit(options.release_limit);
   return integrator;
@@ -115,6 +151,14 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
     const Rest rest(common::array(*u.x()));
     return body.frequencies->nodal_stiffness(nodes);
   };
+  for (const auto& rigid : bodies_of(contacts))
+  {
+    std::vector<const enforcement::NodalPair*> pairs;
+    for (const ContactInTime& c : contacts)
+      if (c.body == rigid)
+        pairs.push_back(&c.contact);
+    set_mobility(u.function_space()->mesh()->comm(), rigid->body, pairs);
+  }
   std::optional<std::span<const double>> moduli;
   if (body.elasticity)
     moduli = body.elasticity->moduli;
@@ -215,6 +259,7 @@ ExplicitStepper::System ExplicitProblem::system()
             for (const auto& operation : {_body.internal.inner, _body.internal.outer})
               if (operation->has_history())
                 operation->store_snapshot();
+            keep_bodies();
           },
           [this] { go_back(); },
           [this] { return unsolved(); }};
@@ -228,6 +273,27 @@ void ExplicitProblem::go_back()
   for (const ContactInTime& c : _contacts)
     for (const auto& direction : c.contact.directions())
       direction->reset();
+  const auto bodies = rigid_bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    bodies[i]->body.state() = _kept_bodies[i];
+}
+
+std::vector<std::shared_ptr<RigidBodyInTime>> ExplicitProblem::rigid_bodies() const
+{
+  return bodies_of(_contacts);
+}
+
+/// Places and momenta at the present time level: a run that goes back starts from them.
+void ExplicitProblem::keep_bodies()
+{
+  _kept_bodies.clear();
+  for (const auto& rigid : rigid_bodies())
+  {
+    const double dt = _integrator->last_step();
+    integrators::RigidBodyState& kept = _kept_bodies.emplace_back(rigid->body.state());
+    kept.momentum = rigid->body.momentum(dt);
+    kept.angular_momentum = rigid->body.angular_momentum(dt);
+  }
 }
 
 std::string ExplicitProblem::unsolved() const
@@ -323,6 +389,8 @@ double ExplicitProblem::assembled_stable_step()
 {
   if (!_body.stiffness)
     throw common::BadValue("the stiffness of these bodies cannot be assembled: use method 'element'");
+  if (!rigid_bodies().empty())
+    throw common::BadValue("rigid bodies are not part of the assembled system: use method 'element'");
   std::vector<double> inverse(num_owned());
   for (std::size_t i = 0; i < inverse.size(); ++i)
     inverse[i] = _supports.mask()[i] ? 0.0 : 1.0 / _body.mass[i];

@@ -6,6 +6,7 @@
 #include "../state/State.h"
 #include "ExplicitBody.h"
 #include "ExplicitStepper.h"
+#include "RigidBodyInTime.h"
 #include "TransientProblem.h"
 #include <functional>
 #include <memory>
@@ -30,6 +31,7 @@ struct ContactInTime
   enforcement::NodalPair contact;                      ///< one direction, or both of balanced contact
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
+  std::shared_ptr<RigidBodyInTime> body{};             ///< the master moves by forces; null: it does not
 };
 
 struct ExplicitOptions
@@ -101,9 +103,12 @@ public:
   const ExplicitStepper& stepper() const { return _stepper; }
   const ExplicitBody& body() const { return _body; }
   const std::vector<ContactInTime>& contacts() const { return _contacts; }
+  /// Rigid bodies, each once, in the order of the contacts.
+  std::vector<std::shared_ptr<RigidBodyInTime>> rigid_bodies() const;
 
 private:
   ExplicitStepper::System system();
+  void keep_bodies();
   void check_overlap();
   void start_tied();
   void go_back();
@@ -117,6 +122,7 @@ private:
   RunHistory _history;
   ExplicitStepper _stepper;
   double _lost_at_start = 0.0;
-  bool _advances = false; ///< a call of `advance` is running
+  std::vector<integrators::RigidBodyState> _kept_bodies; ///< of the state that a failed run goes back to
+  bool _advances = false;                                ///< a call of `advance` is running
 };
 } // namespace dolfinx_impact::problems

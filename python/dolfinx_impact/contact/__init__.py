@@ -7,6 +7,7 @@ from .explicit.nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty.penalty import Penalty
 from .rigid import RigidCylinder, RigidPlane, RigidSphere
+from .rigid_body import RigidBody
 from .rigid_surface import RigidSurface
 
 __all__ = [
@@ -15,6 +16,7 @@ __all__ = [
     "Kinematic",
     "Lagrange",
     "Penalty",
+    "RigidBody",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",

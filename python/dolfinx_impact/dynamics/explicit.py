@@ -39,7 +39,7 @@ from .advance_calls import AdvanceCalls
 from .current_state import CurrentState
 from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
-from .in_time import contact_in_time, prescribed_motion
+from .in_time import contacts_in_time, prescribed_motion
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
 from .read_once import ReadOnce
@@ -204,7 +204,7 @@ class ExplicitProblem(TransientProblem):
         self._cpp_object = _cpp.problems.ExplicitProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
             bodies.body(uniform), motions, dead,
-            [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
+            contacts_in_time(self.contact, functions), getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
         integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step

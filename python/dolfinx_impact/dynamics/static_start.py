@@ -42,6 +42,7 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
             raise TypeError(f"contact {k}: a tie goes on as a tie, {type(old).__name__} does as {type(new).__name__}")
         if not isinstance(new, (Penalty, Tie)):
             raise TypeError(f"contact {k}: from_static hands over to Penalty, found {type(new).__name__}")
+        new.pair.refuse_rigid_body("a run that begins with an equilibrium")
         pairs = [(p.slave, p.master) for p in (new.pair, old.pair)]
         if pairs[0] != pairs[1]:
             raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")

@@ -54,6 +54,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                 f"{c.pair.name} is a Tie: the bodies of a rolling problem flow through their meshes, and tied surfaces "
                 "would have to flow alike; mesh the two parts together"
             )
+        c.pair.refuse_rigid_body("steady rolling")
     if any(c.pair.friction > 0.0 for c in contact):
         if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
             raise ValueError("friction together with internal variables that flow with the material comes later")

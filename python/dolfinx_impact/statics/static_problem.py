@@ -101,6 +101,8 @@ class StaticProblem(BodyResults):
             that lock; or, after the first solve, options were not used.
     """
 
+    moves_rigid_bodies = True  # what RigidBody asks
+
     def __init__(
         self,
         u: fem.Function,
@@ -165,6 +167,11 @@ class StaticProblem(BodyResults):
         for load in self.loads:
             for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
                 self._cpp_object.add_load(constant.value, reached)
+        for body in dict.fromkeys(c.pair.rigid_body for c in self.contact):
+            if body is not None:
+                bound = body.bind_static(self)
+                self._cpp_object.add_load(bound.force, bound.reached)
+                self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force)
         self.linear_solver: LinearSolver = LinearSolver.of(self.equilibrium.linear_solver)
         self._restart = StaticRestart(self)
 
@@ -373,5 +380,6 @@ class StaticProblem(BodyResults):
         return {
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
             "bcs": [arguments.value_of(bc) for bc in self.bcs],
+            "forces on rigid bodies": [c.pair.rigid_body.external_force for c in self.contact if c.pair.rigid_body],
             "displacement of the masters": [c.pair.rigid_master.displacement for c in self.contact if c.pair.rigid],
         }
