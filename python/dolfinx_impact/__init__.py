@@ -8,7 +8,7 @@ closed-form solutions, and `verify`, a package beside this one, compares it with
 
 from .compat import model_to_mesh  # first: it refuses a DOLFINx that this package was not tried on
 from . import _cpp, forms, theory, verify
-from .amplitude import PrescribedMotion
+from .amplitude import AmplitudeTable, PrescribedMotion
 from .common.lone_error import abort_at_exit
 from .common.moved_packages import find_moved_modules
 from .common.units import MILLIMETRES, SI, Units
@@ -52,6 +52,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AddedMass",
+    "AmplitudeTable",
     "ArmstrongFrederick",
     "BodyForce",
     "DeformedBody",
