@@ -17,6 +17,11 @@ from .pair import ContactPair
 from .protocol import ContactProblem
 
 
+#: Results that are arrays over the contact points, (n, gdim) and (n).
+OF_VECTORS = ("points", "normal", "traction", "shear_traction", "slip")
+OF_NUMBERS = ("gap", "pressure", "status", "weight")
+
+
 def _three(value: ArrayLike) -> list[float]:
     """Components of a vector, filled up with zeros to three."""
     out = np.zeros(3)
@@ -69,7 +74,9 @@ class ContactOutput:
         known = "not solved yet"
         if self.force is not None:  # a total: the same on all ranks, and known without communication
             known = f"force on the slave ({', '.join(f'{value:.6g}' for value in self.force)})"
-        return f"{type(self).__name__}({self.pair!r}, {len(self.weight)} points on this rank, {known})"
+        n = len(self.weight)
+        arrays = f"{', '.join(OF_VECTORS)} ({n}, {self.gdim}); {', '.join(OF_NUMBERS)} ({n},)"
+        return f"{type(self).__name__}({self.pair!r}, {n} points on this rank, {known}; arrays {arrays})"
 
     @property
     def fault(self) -> str:

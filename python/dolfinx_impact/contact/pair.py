@@ -3,7 +3,7 @@
 
 import enum
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -39,7 +39,8 @@ class ContactPair(Fixed):
     Args:
         facet_tags: tags of facets.
         slave: tag of the slave surface; preferably the finer mesh and the softer body.
-        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
+        master: tag of the master surface, a list of tags for several surfaces that one slave may touch, or a
+            RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
         friction: coefficient of friction, zero or more [1].
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
@@ -49,17 +50,19 @@ class ContactPair(Fixed):
             body, whose length does not count; where they are not a number, or off the facet by more than `crease`,
             the mean normals of the facets are used. Two of these, (slave, master): each side its own.
         crease: smooth surfaces keep edges sharp where facets meet at a larger angle [degrees].
-        name: name for messages and files.
+        name: name for messages and files; None: from the tags, as "3 on 4", "3 on 4 and 5", "3 on RigidPlane". Of the
+            contacts of a problem with the same name each gets a number behind it, "3 on 4 (2)".
 
     Raises:
-        TypeError: a tag is not an integer, or the master is neither a tag nor a rigid obstacle; on all ranks.
-        ValueError: slave and master are the same surface, friction is negative or not finite, or crease is no angle
+        TypeError: a tag is not an integer, or the master is neither a tag, a list of tags nor a rigid obstacle; on all
+            ranks.
+        ValueError: slave and master are the same surface, a list of masters is empty or has a tag twice, friction is negative or not finite, or crease is no angle
             above 0 up to 180; on all ranks. The tags are compared with the mesh when a problem is made.
     """
 
     facet_tags: MeshTags
     slave: int
-    master: int | _Rigid
+    master: int | tuple[int, ...] | _Rigid
     rigid: bool
     friction: float
     search_distance: float | None
@@ -72,7 +75,7 @@ class ContactPair(Fixed):
         self,
         facet_tags: MeshTags,
         slave: int,
-        master: int | _Rigid,
+        master: int | Sequence[int] | _Rigid,
         friction: float = 0.0,
         search_distance: float | None = None,
         remove_penetration: bool = False,
@@ -89,7 +92,8 @@ class ContactPair(Fixed):
             if self.crease > 180.0:
                 raise ValueError(f"crease is {self.crease}: it is an angle of up to 180 degrees")
         self.remove_penetration = bool(remove_penetration)
-        self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
+        met = " and ".join(map(str, self.masters)) if self.masters else type(self.master).__name__
+        self.name = name or f"{self.slave} on {met}"
 
     def __repr__(self) -> str:
         more = "" if self.search_distance is None else f", search_distance {self.search_distance:g}"
@@ -99,6 +103,13 @@ class ContactPair(Fixed):
         if sides:
             more += f", smooth {' and '.join(sides)}, crease {self.crease:g}"
         return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction}{more})"
+
+    @property
+    def masters(self) -> tuple[int, ...]:
+        """Tags of the master surfaces; none if the master is rigid."""
+        if isinstance(self.master, _Rigid):
+            return ()
+        return self.master if isinstance(self.master, tuple) else (self.master,)
 
     @property
     def rigid_master(self) -> _Rigid:
@@ -114,12 +125,9 @@ class ContactPair(Fixed):
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
         """Check the arguments of a pair, on this rank."""
         self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)
-        if not isinstance(master, (_Rigid, int, float, np.integer, np.floating)):
-            hint = " (make an object of it)" if isinstance(master, type) else ""
-            raise TypeError(f"master must be a tag or a rigid obstacle, found {master!r:.60}{hint}")
-        self.master = master if isinstance(master, _Rigid) else _tag(master)
+        self.master = _checked_master(master)
         self.rigid = isinstance(master, _Rigid)
-        if not self.rigid and self.slave == self.master:
+        if self.slave in self.masters:
             raise ValueError(
                 f"slave and master have the same tag {self.slave}: self-contact is not supported, tag two surfaces"
             )
@@ -144,20 +152,20 @@ class ContactPair(Fixed):
         """
         mesh = V.mesh
         tdim = mesh.topology.dim
-        tags = {"slave": self.slave}
-        if isinstance(self.master, int):
-            tags["master"] = self.master
-        for what, tag in tags.items():
-            check_tag(self.facet_tags, tag, mesh, f"{self.name}, {what}")
+        sides = [("slave", (self.slave,)), *([] if self.rigid else [("master", self.masters)])]
+        for what, tags in sides:
+            for tag in tags:
+                check_tag(self.facet_tags, tag, mesh, f"{self.name}, {what}")
         mesh.topology.create_connectivity(tdim - 1, tdim)
         mesh.topology.create_connectivity(tdim, tdim - 1)
         exterior = dmesh.exterior_facet_indices(mesh.topology)
         made = []
-        for tag in tags.values():
-            facets = self.facet_tags.find(tag)
+        for _, tags in sides:
+            facets = np.sort(np.concatenate([self.facet_tags.find(tag) for tag in tags]))
             inside = mesh.comm.allreduce(len(np.setdiff1d(facets, _boundary(mesh, exterior))), MPI.SUM)
             if inside:
-                raise ValueError(f"{self.name}: {inside} facets with the tag {tag} lie inside the body")
+                found = " and ".join(map(str, tags))
+                raise ValueError(f"{self.name}: {inside} facets with the tag {found} lie inside the body")
             outside = np.intersect1d(facets, exterior)
             made.append(_guarded(mesh.comm, functools.partial(_surface, V, outside)))
         for side, normals in enumerate(self.smooth[: len(made)]):
@@ -191,6 +199,25 @@ class ContactPair(Fixed):
                 f"{self.name}: slave and master share {count} nodes, the first at {some}: a body cannot touch "
                 "itself there; leave the common edge out of one of the tags, or mesh the bodies apart"
             )
+
+
+def _checked_master(master: Any) -> int | tuple[int, ...] | _Rigid:
+    """The argument `master`: a tag, several ones, or an obstacle; checked on this rank."""
+    if isinstance(master, _Rigid):
+        return master
+    if isinstance(master, (int, float, np.integer, np.floating)):
+        return _tag(master)
+    if not isinstance(master, (list, tuple, np.ndarray)):
+        hint = " (make an object of it)" if isinstance(master, type) else ""
+        raise TypeError(f"master must be a tag, a list of tags or a rigid obstacle, found {master!r:.60}{hint}")
+    if any(isinstance(one, _Rigid) for one in master):
+        raise TypeError("a list of masters holds tags: make a pair with each rigid obstacle")
+    tags = tuple(_tag(one) for one in master)
+    if not tags:
+        raise ValueError("the list of masters is empty: give the tags of the surfaces")
+    if len(set(tags)) < len(tags):
+        raise ValueError(f"the masters {list(tags)} have a tag twice: give each once")
+    return tags if len(tags) > 1 else tags[0]
 
 
 def _surface(V: FunctionSpace, facets: IntArray) -> _cpp.surface.Facets:

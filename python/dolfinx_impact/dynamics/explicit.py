@@ -38,6 +38,7 @@ from .advance_calls import AdvanceCalls
 from .current_state import CurrentState
 from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
+from ..contact.names import named_apart
 from .in_time import contact_in_time, prescribed_motion
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
@@ -192,7 +193,7 @@ class ExplicitProblem(TransientProblem):
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
-        self.contact: tuple[NodalPair, ...] = tuple([c._bind_explicit(self) for c in contact])
+        self.contact: tuple[NodalPair, ...] = tuple([c._bind_explicit(self) for c in named_apart(contact)])
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(

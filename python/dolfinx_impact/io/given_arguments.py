@@ -191,7 +191,8 @@ class GivenArguments:
                 self.table[f"{of}.master.velocity"] = _text(master.velocity)
                 self.table[f"{of}.master.motion"] = "without" if master.motion is None else "with"
         else:
-            self.table[f"{of}.master"] = f"{pair.master}, {facets_with(self.mesh, pair.facet_tags, pair.master)}"
+            found = [f"{tag}, {facets_with(self.mesh, pair.facet_tags, tag)}" for tag in pair.masters]
+            self.table[f"{of}.master"] = "; ".join(found)
         for key in ("friction", "search_distance", "remove_penetration", "crease"):
             self.table[f"{of}.{key}"] = _text(getattr(pair, key))
         self.table[f"{of}.smooth"] = repr(tuple("function" if callable(side) else side for side in pair.smooth))

@@ -35,6 +35,7 @@ from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
+from ..contact.names import named_apart
 from ..contact.protocol import BodyTangent
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -150,7 +151,9 @@ class StaticProblem(BodyResults):
         for bc in self.bcs:
             self.fixed[bc.dof_indices()[0]] = True
         self.recorders: list[LoadStepRecorder] = []
-        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
+        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple(
+            [c._bind(self) for c in named_apart(contact)]
+        )
         make_room(V)
         self._cpp_object = _cpp.problems.StaticProblem(
             u._cpp_object, self.body.in_cpp(), [bc._cpp_object for bc in self.bcs],

@@ -45,6 +45,7 @@ from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
+from ...contact.names import named_apart
 from ..in_time import implicit_contact, prescribed_motion
 from ..run_history import ENERGIES, RunHistory, total_energy
 from ..subject import in_time
@@ -252,7 +253,9 @@ class NewmarkProblem(TransientProblem):
         damping_force = self._damping_force(resisting, bodies)
         loaded = load_forms(u, bodies, [load for load in self.loads if load not in springs])
         work = loaded.work()
-        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple([c._bind(self) for c in contact])
+        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple(
+            [c._bind(self) for c in named_apart(contact)]
+        )
         read = [form for form in (residual, work) if form is not None]
         self.inputs = Inputs(
             [c for form in read for c in form.constants()], [f for form in read for f in form.coefficients()],
