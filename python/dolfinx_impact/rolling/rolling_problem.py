@@ -24,11 +24,15 @@ from ..common.collective import comm_of, guard
 from ..common.progress_bar import ProgressBar
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
+from ..common.units import Units
 from ..added_mass import added_masses
 from ..foundation import foundations
 from ..loads import Load
 from ..materials import MaterialMap, _Material
+from ..recording.field_arguments import check_fields
+from ..recording.output_options import output_options
 from ..statics.linear_solver import LinearSolver
+from ..statics.load_step_recorder import LoadStepRecorder
 from ..statics.load_steps import Limits, Report
 from ..statics.static_problem import StaticProblem
 from . import inputs, revolution, sweep
@@ -36,6 +40,7 @@ from .rolling_contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .power_balance import PowerBalance
+from .recorded_states import RecordedStates
 from .sweep import Fingerprint
 from .sweep_state import SweepState
 from .transport import Transport
@@ -120,6 +125,7 @@ class RollingProblem(Unique):
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
+        self._recorded = RecordedStates(self._equilibrium)
         self._transport = (
             Transport(self._equilibrium, self._flow) if self._equilibrium.body.properties.inelastic else None
         )
@@ -266,7 +272,9 @@ class RollingProblem(Unique):
             return report
 
         if self._transport is None:
-            return equilibrium(steps)
+            report = equilibrium(steps)
+            self._recorded.solved()
+            return report
         self._transport.update()
         found = False
         try:
@@ -275,7 +283,42 @@ class RollingProblem(Unique):
         finally:
             if not found:
                 self._cpp_object.bring_back(good)
+        self._recorded.solved()
         return report
+
+    def record(
+        self,
+        path: FilePath | None = None,
+        fields: Sequence[str] = ("displacement",),
+        expressions: Mapping[str, ufl.core.expr.Expr] | None = None,
+        ending: str = ".bp",
+        units: Units | None = None,
+    ) -> LoadStepRecorder:
+        """Write fields and contact forces of each steady state into a folder: after each `solve`, and after each point
+        of a `sweep`. Collective.
+
+        Args:
+            path: folder; None as for RunFolder.
+            fields: as of StaticProblem.record; of contacts with friction also slip_velocity.
+            expressions: further fields, as of StaticProblem.record.
+            ending: ".bp" or ".xdmf".
+            units: units that the names of fields end with; None: names alone.
+
+        Returns:
+            Recorder, whose load steps are the numbers of the steady states; call its `close()` at the end.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a field is unknown; on all ranks.
+            RuntimeError: the folder cannot be written; on all ranks.
+        """
+        with guard(self.u.function_space.mesh.comm, "RollingProblem.record", path=path, fields=fields) as ranks:
+            if path is not None:
+                arguments.path("path", path)
+            options = output_options(expressions, ending, units)
+            names = check_fields(self._recorded, fields, ["displacement"], options)
+            ranks.same(output=options)
+        return LoadStepRecorder(self._recorded, path, names, 1, options)
 
     def sweep(
         self,
