@@ -33,6 +33,7 @@ from .foundation import Foundation
 from .added_mass import AddedMass
 from .assembly.lumped_mass import lumped_mass
 from .assembly.quadrature_degree import quadrature_degree
+from .assembly.section_force import section_force
 from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
@@ -105,6 +106,7 @@ __all__ = [
     "operators",
     "quadrature_degree",
     "read_mesh",
+    "section_force",
     "theory",
     "verify",
 ]

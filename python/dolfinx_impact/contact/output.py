@@ -12,6 +12,7 @@ from petsc4py import PETSc
 
 from .. import _cpp
 from ..common.collective import guard
+from ..common.messages import INITIAL_PENETRATION
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .pair import ContactPair
 from .protocol import ContactProblem
@@ -134,11 +135,25 @@ class ContactOutput:
         """Largest penetration in the reference configuration on all ranks, removed or not [L].
 
         Raises:
-            AttributeError: the contact is one of an explicit problem.
+            AttributeError: the contact is one of an explicit problem whose pair adjusts no gaps.
         """
         if self.initial is None:
-            raise AttributeError(f"{type(self).__name__} has no initial penetration: it is one of static problems")
+            raise AttributeError(
+                f"{type(self).__name__} has no initial penetration: it is known in static problems, and of pairs that "
+                "adjust gaps"
+            )
         return float(self.initial.depth)
+
+    @property
+    def adjustment(self) -> str:
+        """What was adjusted of the initial gaps, how many points, by how much at most and where; and what penetrates.
+        Empty if there is nothing to tell."""
+        return "" if self.initial is None else str(self.initial.warning)
+
+    def _tell_of_penetration(self) -> None:
+        """Log penetrations in the reference configuration and what was adjusted, on rank 0."""
+        if self.adjustment and self.comm.rank == 0:
+            INITIAL_PENETRATION.warning(self.adjustment)
 
     @property
     def shear_traction(self) -> FloatArray:

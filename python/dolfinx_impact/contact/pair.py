@@ -44,7 +44,13 @@ class ContactPair(Fixed):
         friction: coefficient of friction, zero or more [1].
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
-            start; for meshes that overlap although the bodies do not.
+            start; for meshes that overlap although the bodies do not. The same as `adjust=0.0`.
+        clearance: initial gap of the points that are adjusted, whatever the meshes say: of all points that have a
+            master, or with `adjust` of those up to there. Negative: an overlap, as of a press fit [L].
+        offset: thickness of layers that the meshes do not have, of shells and coatings: surfaces touch when they are
+            this far apart. One number, or two, (slave, master); negative where material is missing [L].
+        adjust: points whose initial gap is at most this, and all that overlap, are closed at the start, or have the
+            gap `clearance`; None: no point [L].
         smooth: lay smooth surfaces of degree 2 through the nodes of linear facets (docs/contact.md, "Smooth
             surfaces"): True, False, or a function of positions, (3, n) -> (gdim, n), that gives normals out of the
             body, whose length does not count; where they are not a number, or off the facet by more than `crease`,
@@ -67,6 +73,9 @@ class ContactPair(Fixed):
     friction: float
     search_distance: float | None
     remove_penetration: bool
+    clearance: float | None
+    offset: tuple[float, float]
+    adjust: float | None
     smooth: tuple[Smooth, Smooth]
     crease: float
     name: str
@@ -82,15 +91,20 @@ class ContactPair(Fixed):
         name: str | None = None,
         smooth: Smooth | tuple[Smooth, Smooth] = False,
         crease: float = 30.0,
+        clearance: float | None = None,
+        offset: float | tuple[float, float] = 0.0,
+        adjust: float | None = None,
     ) -> None:
         given: dict[str, Any] = dict(slave=slave, master=master, friction=friction, name=name)
         given |= dict(search_distance=search_distance, crease=crease, smooth=[_kind(s) for s in _sides(smooth)])
+        given |= dict(clearance=clearance, offset=offset, adjust=adjust)
         with guard(comm_of(facet_tags), "ContactPair", **given, remove_penetration=bool(remove_penetration)):
             self._check(facet_tags, slave, master, friction, search_distance)
             self.smooth = _check_smooth(smooth)
             self.crease = number("crease", crease, 0.0, " [degrees]")
             if self.crease > 180.0:
                 raise ValueError(f"crease is {self.crease}: it is an angle of up to 180 degrees")
+            self._check_adjustment(clearance, offset, adjust, bool(remove_penetration))
         self.remove_penetration = bool(remove_penetration)
         met = " and ".join(map(str, self.masters)) if self.masters else type(self.master).__name__
         self.name = name or f"{self.slave} on {met}"
@@ -99,6 +113,10 @@ class ContactPair(Fixed):
         more = "" if self.search_distance is None else f", search_distance {self.search_distance:g}"
         if self.remove_penetration:
             more += ", remove_penetration"
+        if any(self.offset):
+            more += f", offset {sum(self.offset):g}"
+        for name, value in (("clearance", self.clearance), ("adjust", self.adjust)):
+            more += "" if value is None else f", {name} {value:g}"
         sides = [side for side, kind in zip(("slave", "master"), self.smooth) if kind is not False]
         if sides:
             more += f", smooth {' and '.join(sides)}, crease {self.crease:g}"
@@ -137,6 +155,25 @@ class ContactPair(Fixed):
         self.search_distance = None
         if search_distance is not None:
             self.search_distance = number("search_distance", search_distance, 0.0, " [L]")
+
+    def _check_adjustment(self, clearance: Any, offset: Any, adjust: Any, remove: bool) -> None:
+        """Check what changes gaps, on this rank."""
+        self.clearance = None if clearance is None else number("clearance", clearance, unit=" [L]")
+        both = offset if isinstance(offset, (tuple, list, np.ndarray)) else (offset, 0.0)
+        if len(both) != 2:
+            raise ValueError(f"offset has {len(both)} numbers: give one, or two, of slave and master")
+        self.offset = number("offset", both[0], unit=" [L]"), number("offset", both[1], unit=" [L]")
+        self.adjust = None if adjust is None else number("adjust", adjust, unit=" [L]")
+        if self.adjust is not None and self.adjust < 0.0:
+            raise ValueError(f"adjust is {self.adjust:g}: it is a gap up to which points are closed, zero or more")
+        if remove and (adjust is not None or clearance is not None):
+            raise ValueError("remove_penetration is adjust=0.0: give it alone, or adjust and clearance without it")
+
+    @property
+    def adjustment(self) -> _cpp.gap.GapAdjustment:
+        """How gaps differ from the distances of the meshed surfaces (C++)."""
+        adjust = 0.0 if self.remove_penetration else self.adjust
+        return _cpp.gap.GapAdjustment(offset=sum(self.offset), clearance=self.clearance, adjust=adjust)
 
     def surfaces(self, V: FunctionSpace) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | None]:
         """Find this rank's slave and master facets. Collective.

@@ -472,6 +472,19 @@ class ExplicitProblem(TransientProblem):
         output = self._stepper.recorders, self._state.update_functions
         return Recorder(self, *output, path, names, every, places, points_every, options=options)
 
+    def reactions(self) -> fem.Function:
+        """Forces of the supports on the bodies at prescribed degrees of freedom, zero elsewhere, at the present time:
+        what inertia, damping and internal forces lack to loads and contact forces. Those of kinematic contact are of
+        the last step. Collective.
+
+        Returns:
+            Function on the displacement space [F].
+        """
+        r = fem.Function(self.space, name="reaction")
+        r.x.array[: self.num_owned] = self._cpp_object.integrator.support_forces()
+        r.x.scatter_forward()
+        return r
+
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.
 

@@ -18,6 +18,7 @@ from ..assembly.ffcx_form import ffcx_form
 from .. import _cpp
 from ..assembly import problem_arguments
 from ..assembly.material_history import HistoryField, MaterialHistory
+from ..assembly.resultant import Resultant
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
@@ -431,6 +432,27 @@ class RollingProblem(Unique):
     def reactions(self) -> fem.Function:
         """Support forces at prescribed degrees of freedom, round-off elsewhere [F]. Collective."""
         return self._equilibrium.reactions()
+
+    def reaction(self, where: Any = None, point: ArrayLike | None = None) -> Resultant:
+        """Force and moment of supports on the bodies, as of StaticProblem.reaction. Collective.
+
+        Args:
+            where: boundary condition, pair (facet_tags, tag), or None: all supports.
+            point: point that the moment is about, (gdim); None: the origin [L].
+
+        Returns:
+            Resultant.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a condition or tags of another mesh or space; on all ranks.
+        """
+        return self._equilibrium.reaction(where, point)
+
+    @property
+    def has_history(self) -> bool:
+        """Whether a material has internal variables."""
+        return self._equilibrium.has_history
 
     @property
     def torque(self) -> float:

@@ -43,7 +43,7 @@ class QuadraturePenalty(StaticContactView):
             if value is not None:
                 setattr(parameters, name, value)
         parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
-        parameters.search_distance, parameters.remove_penetration = pair.search_distance or 0.0, pair.remove_penetration
+        parameters.search_distance, parameters.adjustment = pair.search_distance or 0.0, pair.adjustment
         owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
 
         def bodies() -> Any:

@@ -553,6 +553,19 @@ class NewmarkProblem(TransientProblem):
         output = self.stepper.recorders, self._cpp_object.stepper.show_motion
         return Recorder(self, *output, path, names, every, places, points_every, moments, "implicit", options)
 
+    def reactions(self) -> fem.Function:
+        """Forces of the supports on the bodies at prescribed degrees of freedom, zero elsewhere, at the present time:
+        what inertia, damping and internal forces lack to loads and contact forces. Collective.
+
+        Returns:
+            Function on the displacement space [F].
+        """
+        r = fem.Function(self.space, name="reaction")
+        support = self.stepper.energy_balance.forces.support
+        r.x.array[: len(support)] = support
+        r.x.scatter_forward()
+        return r
+
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.
 
