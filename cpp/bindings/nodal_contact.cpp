@@ -2,6 +2,7 @@
 #include "arrays.h"
 #include "dolfinx_impact/enforcement/node_to_surface/KinematicStep.h"
 #include "dolfinx_impact/enforcement/node_to_surface/NodalPair.h"
+#include "dolfinx_impact/enforcement/node_to_surface/NodeLaw.h"
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -96,6 +97,15 @@ void construct_penalty(NodePenalty* self, const FunctionSpace& V, const Facets& 
   new (self) NodePenalty(
       V, slave, master,
       {{friction, search_distance, axisymmetric, std::move(name), adjustment}, penalty, kappa, share, by_step});
+}
+
+template <typename Master>
+void construct_law(NodeLaw* self, const FunctionSpace& V, const Facets& slave, const Master& master,
+                   std::shared_ptr<const InterfaceLaw> law, double friction, double search_distance, bool axisymmetric,
+                   std::string name, const GapAdjustment& adjustment)
+{
+  new (self)
+      NodeLaw(V, slave, master, std::move(law), {friction, search_distance, axisymmetric, std::move(name), adjustment});
 }
 
 template <typename Master>
@@ -219,6 +229,14 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"),
           nb::arg("f").noconvert(), nb::arg("times") = 1,
           "Add the forces to f (a view is changed); several times for timing");
+
+  nb::class_<NodeLaw, NodeToSurface>(m, "NodeLaw", "A law of the interface at slave nodes")
+      .def("__init__", &construct_law<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("law"),
+           nb::arg("friction") = p.friction, nb::arg("search_distance") = p.search_distance,
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("name") = p.name, nb::arg("adjustment") = p.adjustment)
+      .def("__init__", &construct_law<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("law"),
+           nb::arg("friction") = p.friction, nb::arg("search_distance") = p.search_distance,
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("name") = p.name, nb::arg("adjustment") = p.adjustment);
 
   const KinematicContactOptions k;
   nb::class_<KinematicContact, NodeToSurface>(m, "KinematicContact", "Forces that correct a predicted step")
