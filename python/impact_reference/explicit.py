@@ -103,8 +103,8 @@ class NodalPenalty(_Nodal):
         slave_normals: likewise, for the direction of a balanced contact in which the slave is the master.
         offset: thickness of layers on both surfaces: gaps are less by it [L].
         clearance: gap at rest of the nodes that are adjusted; None: zero [L].
-        adjust: nodes whose gap at rest is at most this are adjusted; None: with a clearance all that have a master, else
-            none [L].
+        adjust: nodes whose gap at rest is at most this are adjusted; None: with a clearance all that have a master,
+            else none [L].
 
     Raises:
         ValueError: a penalty that is not positive, a motion of a deformable master, or normals of another shape.

@@ -62,7 +62,8 @@ class ContactPair(Fixed):
     Raises:
         TypeError: a tag is not an integer, or the master is neither a tag, a list of tags nor a rigid obstacle; on all
             ranks.
-        ValueError: slave and master are the same surface, a list of masters is empty or has a tag twice, friction is negative or not finite, or crease is no angle
+        ValueError: slave and master are the same surface, a list of masters is empty or has a tag twice, friction is
+            negative or not finite, a number that changes gaps is not finite or of the wrong sign, or crease is no angle
             above 0 up to 180; on all ranks. The tags are compared with the mesh when a problem is made.
     """
 

@@ -87,8 +87,8 @@ def read_sets(path: Path, sets: Sequence[str] | None) -> SetsMesh:
 
     Raises:
         RuntimeError: meshio, or what it needs for this kind of file, is not installed.
-        ValueError: the file is damaged, its cells are of several kinds or of one that is not supported, sets overlap, or
-            a name is unknown.
+        ValueError: the file is damaged, its cells are of several kinds or of one that is not supported, sets overlap,
+            or a name is unknown.
     """
     mesh = _read(path)
     blocks = [(block.type, np.asarray(block.data, dtype=np.int64)) for block in mesh.cells]
@@ -172,21 +172,23 @@ def _read(path: Path) -> Any:
         import meshio
     except ImportError as error:
         raise RuntimeError(
-            f"{path}: reading {what} files needs the Python module meshio, which is not installed: install meshio (Debian: "
-            "python3-meshio), or convert the file to .msh"
+            f"{path}: reading {what} files needs the Python module meshio, which is not installed: install meshio "
+            "(Debian: python3-meshio), or convert the file to .msh"
         ) from error
     try:
         return meshio.read(path)
     except ImportError as error:
         raise RuntimeError(
-            f"{path}: meshio needs the Python module {error.name} for {what} files, which is not installed: install it, or "
-            "convert the file to .msh"
+            f"{path}: meshio needs the Python module {error.name} for {what} files, which is not installed: install it, "
+            "or convert the file to .msh"
         ) from error
     except SystemExit as error:  # meshio ends the process where a file is none of the kind
         raise ValueError(f"{path}: meshio cannot read it as {what}; it is damaged, or of another kind") from error
     except Exception as error:
-        raise ValueError(f"{path}: meshio cannot read it ({type(error).__name__}: {error}); it is damaged, or has parts "
-                         "that meshio does not know") from error  # fmt: skip
+        raise ValueError(
+            f"{path}: meshio cannot read it ({type(error).__name__}: {error}); it is damaged, or has parts that meshio "
+            "does not know"
+        ) from error
 
 
 def _sets_of_blocks(mesh: Any, blocks: Sequence[tuple[str, IntArray]]) -> dict[str, list[IntArray]]:
@@ -280,8 +282,8 @@ def _surfaces(path: Path, cell_sets: Mapping[str, IntArray]) -> tuple[dict[str, 
         number = face.upper().removeprefix("S")
         if of.upper() not in by_name or not number.isdigit():
             raise ValueError(
-                f"{path}: the surface {name!r} is made of {text!r}: what is read are sets of elements and faces S1, S2, "
-                "...; write it so, or as a set of nodes"
+                f"{path}: the surface {name!r} is made of {text!r}: what is read are sets of elements and faces S1, "
+                "S2, ...; write it so, or as a set of nodes"
             )
         out.setdefault(name, []).append((np.asarray(cell_sets[by_name[of.upper()]]), int(number) - 1))
         if of.startswith("_"):  # made by Abaqus/CAE for the surface

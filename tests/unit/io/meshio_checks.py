@@ -11,6 +11,7 @@ from mpi4py import MPI
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
+from dolfinx_impact.io import meshio_reader
 
 COMM = MPI.COMM_WORLD
 
@@ -82,7 +83,7 @@ def material():
 
 
 def written(cell, degree, folder):
-    """A file of MED by meshio: a unit block, whose cells are the groups "low" and "high", its sides "top" and "foot"."""
+    """A file of MED by meshio: a unit block with groups of cells "low" and "high", and of facets "top" and "foot"."""
     import gmsh
     import meshio
 
@@ -192,6 +193,21 @@ def through(made, name="made.inp"):
         finally:
             meshio.read = right
             COMM.barrier()
+
+
+def check_facets_of_all_kinds_of_cells():
+    """Facets that all nodes hold are the boundary of one cell, each with as many nodes as its kind has; their numbers are
+    those of Abaqus."""
+    for kind, (_, dim, _) in meshio_reader._TYPES.items():
+        if dim < 2 or kind not in meshio_reader._FACETS:
+            continue
+        count = 1 + max(map(max, meshio_reader._FACETS[kind]))
+        cells = np.arange(count)[None]
+        facets = meshio_reader._Facets(kind, cells)
+        found = facets.within(np.ones(count, dtype=bool))
+        assert len(found) == len(meshio_reader._FACETS[kind]), kind
+        assert np.array_equal(facets.of_cells([(np.array([0]), 1)])[0], meshio_reader._FACETS[kind][1])
+        assert meshio_reader.SetsMesh(np.zeros((count, 3)), kind, cells, np.zeros(1)).dim == dim
 
 
 def check_exodus_blocks():

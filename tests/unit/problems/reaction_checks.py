@@ -10,13 +10,14 @@ from dolfinx.la import InsertMode
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.assembly.section_force import _SomeCells
 
 COMM = MPI.COMM_WORLD
 LENGTH, LOAD = 2.0, 3.0
 
 
 class Bar:
-    """A cantilever along x, held at x = 0 (tag 1), loaded at its end (tag 2); cells with x > 1 have the tag 7, others 6.
+    """A cantilever along x, held at x = 0 (tag 1), loaded at its end (tag 2); cells beyond x = 1 have the tag 7, others 6.
     Facets between them have the tag 3."""
 
     def __init__(self, cell="quadrilateral", degree=1, law=di.LinearElastic, two=False, **more):
@@ -114,6 +115,15 @@ def check_static_reactions_and_sections_are_in_equilibrium():
             np.testing.assert_allclose(end.force, -force, rtol=0.0, atol=1e-9 * size, err_msg=str((cell, law)))
             np.testing.assert_allclose(end.moment, -moment, rtol=0.0, atol=1e-9 * size, err_msg=str((cell, law)))
             np.testing.assert_allclose(root.force, force, rtol=0.0, atol=1e-9 * size)
+
+
+def check_materials_of_some_cells_are_those_that_occur():
+    bar = Bar(two=True)
+    cells = bar.cells.find(7)
+    part = mesh.meshtags(bar.mesh, bar.dim, cells, np.full(len(cells), 7, dtype=np.int32))
+    some = _SomeCells(part, dict(bar.material.parts()))
+    assert [tag for tag, _ in some.parts()] == [7] and some.cell_tags is part
+    assert some.hypothesis_on(bar.mesh) == "plane_strain"
 
 
 def check_moments_are_about_the_point():

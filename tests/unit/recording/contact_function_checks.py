@@ -11,8 +11,7 @@ from rolling_checks import wheel_on_plane
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
-
-ALL = CONTACTS
+from dolfinx_impact.rolling.recorded_states import RecordedStates
 
 
 def solved(kind, method, two):
@@ -38,7 +37,7 @@ def check_functions_have_the_values_of_the_nodes():
     for k, (kind, method) in enumerate(KINDS):
         blocks, problem = solved(kind, method, two=bool(k % 2))
         contact, gdim = problem.contact[0], 2
-        for name in ALL:
+        for name in CONTACTS:
             f = contact.function(name)
             nodes, values = contact.at_nodes(getattr(contact, name))
             found = f.x.array.reshape(-1, *values.shape[1:])
@@ -90,6 +89,7 @@ def check_steady_rolling_records_its_states():
         with pytest.raises(ValueError, match="are unknown"):
             problem.record(path / "no", ["velocity"])
         recorder = problem.record(path / "run", ["displacement", "pressure", "slip_velocity"], ending=".xdmf")
+        assert isinstance(recorder.problem, RecordedStates) and recorder.problem.recorders == [recorder]
         problem.solve(steps=2)
         contact = problem.contact[0]
         first = contact.pressure.max(initial=0.0), contact.force[1]
