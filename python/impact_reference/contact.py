@@ -242,7 +242,7 @@ class Contact:
             self._contact.shift_gaps(self.gap_shift)
 
     def _shift(self, offset: float, clearance: float | None, adjust: float | None) -> FloatArray:
-        """What is added to the gaps of the points, from those of the surfaces at rest, an obstacle where it was made."""
+        """What is added to the gaps of the points, from those at rest, an obstacle where it was made."""
         kept = None if self.obstacle is None else self.obstacle.displacement
         if self.obstacle is not None:
             self.obstacle.displacement = 0.0

@@ -179,8 +179,8 @@ def _read(path: Path) -> Any:
         return meshio.read(path)
     except ImportError as error:
         raise RuntimeError(
-            f"{path}: meshio needs the Python module {error.name} for {what} files, which is not installed: install it, "
-            "or convert the file to .msh"
+            f"{path}: meshio needs the Python module {error.name} for {what} files, which is not installed: install "
+            "it, or convert the file to .msh"
         ) from error
     except SystemExit as error:  # meshio ends the process where a file is none of the kind
         raise ValueError(f"{path}: meshio cannot read it as {what}; it is damaged, or of another kind") from error

@@ -196,8 +196,8 @@ def through(made, name="made.inp"):
 
 
 def check_facets_of_all_kinds_of_cells():
-    """Facets that all nodes hold are the boundary of one cell, each with as many nodes as its kind has; their numbers are
-    those of Abaqus."""
+    """Facets that all nodes hold are the boundary of one cell, each with as many nodes as its kind has; their numbers
+    are those of Abaqus."""
     for kind, (_, dim, _) in meshio_reader._TYPES.items():
         if dim < 2 or kind not in meshio_reader._FACETS:
             continue

@@ -17,7 +17,8 @@ LENGTH, LOAD = 2.0, 3.0
 
 
 class Bar:
-    """A cantilever along x, held at x = 0 (tag 1), loaded at its end (tag 2); cells beyond x = 1 have the tag 7, others 6.
+    """A cantilever along x, held at x = 0 (tag 1), loaded at its end (tag 2); cells beyond x = 1 have the tag 7, others
+    6.
     Facets between them have the tag 3."""
 
     def __init__(self, cell="quadrilateral", degree=1, law=di.LinearElastic, two=False, **more):
