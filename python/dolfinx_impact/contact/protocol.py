@@ -401,6 +401,10 @@ class ExplicitContact(Protocol):
     def kinematic(self) -> bool:
         """Whether the contact has no springs."""
 
+    @property
+    def is_penalty(self) -> bool:
+        """Whether the contact acts by springs, which approximate surfaces that do not penetrate."""
+
     def sides(self) -> list[_cpp.nodal.NodeToSurface]:
         """C++ contacts of this pair.
 

@@ -206,7 +206,7 @@ class ExplicitProblem(TransientProblem):
         inputs = Inputs(self.comm, integrator, bodies.terms, self.dead_loads, bodies.frequencies, safe.changes)
         self._history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
         share = PenetrationShare(
-            u, material, self.loads, [not c.kinematic for c in self.contact],
+            u, material, self.loads, [c.is_penalty for c in self.contact],
             from_rest=not bodies.linear and not self.has_history,
         )  # fmt: skip
         self._state = CurrentState(

@@ -20,12 +20,13 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("cell", ["quadrilateral", "hexahedron"])
+# In the plane a limit that depends on the direction has no meaning.
+CELLS = [(name, cell) for name in LAWS for cell in ("quadrilateral", "hexahedron")[name == "anisotropic" :]]
+
+
+@pytest.mark.parametrize("name, cell", CELLS)
 def test_tangent_is_the_derivative_of_the_forces(name, cell):
     """After an increment with history, against differences of the contact forces, on surfaces that turn."""
-    if cell == "quadrilateral" and name == "anisotropic":
-        pytest.skip("in the plane it has no meaning")
     lower, upper = law_checks.CASES[cell]
     blocks = Blocks(cell, lower, upper, narrow=0.1)
     law = LAWS[name]()

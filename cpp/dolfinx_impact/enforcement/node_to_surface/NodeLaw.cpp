@@ -73,7 +73,7 @@ void NodeLaw::gather_fields()
 {
   for (std::size_t f = 0; f < _field_values.size(); ++f)
   {
-    const auto given = _law->fields()[f].function->x()->array();
+    const std::span<const double> given = _law->fields()[f].function->x()->array();
     for (std::size_t node = 0; node < _owned_numbers.size(); ++node)
       if (_owned_numbers[node] >= 0)
         _field_values[f][_owned_numbers[node]] = given[node];

@@ -183,6 +183,10 @@ class NodalPair(ContactOutput):
     def kinematic(self) -> bool:
         return self._class is _cpp.nodal.KinematicContact
 
+    @property
+    def is_penalty(self) -> bool:
+        return self._class is _cpp.nodal.NodePenalty
+
     def sides(self) -> list[_cpp.nodal.NodeToSurface]:
         return self._sides
 
