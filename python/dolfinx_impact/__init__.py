@@ -16,6 +16,7 @@ from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
     ContactStatus,
+    GeneralContact,
     Kinematic,
     Lagrange,
     Penalty,
@@ -59,6 +60,7 @@ __all__ = [
     "ExplicitProblem",
     "FollowerPressure",
     "Foundation",
+    "GeneralContact",
     "InelasticMaterial",
     "InternalForce",
     "J2Plasticity",

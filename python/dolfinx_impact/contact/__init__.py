@@ -2,6 +2,7 @@
 """Contact: pairs of surfaces, rigid obstacles, and how contact is enforced. What is discretised: docs/contact.md."""
 
 from .mortar.lagrange import Lagrange
+from .explicit.general import GeneralContact
 from .explicit.nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty.penalty import Penalty
@@ -11,6 +12,7 @@ from .rigid_surface import RigidSurface
 __all__ = [
     "ContactPair",
     "ContactStatus",
+    "GeneralContact",
     "Kinematic",
     "Lagrange",
     "Penalty",

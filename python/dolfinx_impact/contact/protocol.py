@@ -69,8 +69,13 @@ class StaticContactProblem(ContactProblem, Protocol):
 
 
 class ExplicitContactProblem(ContactProblem, Protocol):
-    """What a contact reads of an explicit problem."""
+    """What a contact reads of an explicit problem.
 
+    Attributes:
+        named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
+    """
+
+    named_pairs: list[ContactPair]
     _cpp_object: _cpp.problems.ExplicitProblem
 
 
