@@ -82,6 +82,47 @@ const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const sur
 }
 } // namespace
 
+namespace
+{
+/// Increment of a point relative to another one, which has the rotation of the nodes that bear it: what forces with
+/// their moment correction do work on, and no rotation of both bodies changes.
+/// @param[in] r positions of num nodes about their mean
+/// @param[in] increment increment(j, c) of node j
+/// @param[in,out] motion relative to the point of the same weights, which does not turn
+template <int D>
+void add_rotation(const MomentCorrection& correction, int num, const double* r, auto&& increment, double* motion)
+{
+  const double *I = correction.inverse, *e = correction.e;
+  if constexpr (D == 2)
+  {
+    double spin = 0.0;
+    for (int j = 0; j < num; ++j)
+      spin += I[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0));
+    motion[0] -= spin * e[1];
+    motion[1] += spin * e[0];
+  }
+  else
+  {
+    double sum[3] = {};
+    for (int j = 0; j < num; ++j)
+    {
+      const double du[3] = {increment(j, 0), increment(j, 1), increment(j, 2)};
+      double part[3];
+      loop::cross(r + 3 * j, du, part);
+      for (int c = 0; c < 3; ++c)
+        sum[c] += part[c];
+    }
+    const double spin[3] = {I[0] * sum[0] + I[3] * sum[1] + I[4] * sum[2],
+                            I[3] * sum[0] + I[1] * sum[1] + I[5] * sum[2],
+                            I[4] * sum[0] + I[5] * sum[1] + I[2] * sum[2]};
+    double turn[3];
+    loop::cross(spin, e, turn);
+    for (int c = 0; c < 3; ++c)
+      motion[c] += turn[c];
+  }
+}
+} // namespace
+
 /// A facet that a node touches.
 struct GeneralContact::Touch
 {
@@ -125,6 +166,7 @@ GeneralContact::GeneralContact(const surface::FunctionSpace& V, const surface::F
   _bodies.assign(bodies.begin(), bodies.begin() + owned);
   const std::size_t n = _candidates.nodes().size();
   _springs.resize(n);
+  _last.resize(n);
   _next.assign(n, 0.0);
   _results = {std::vector<ContactStatus>(n, ContactStatus::open),
               std::vector<double>(n, std::numeric_limits<double>::infinity()), std::vector<double>(n * _gdim, 0.0)};
@@ -209,6 +251,7 @@ void GeneralContact::assign_numbers(operators::Halo& halo, std::span<const std::
   _loops = search::FacetLoops(_found, n);
   _moved = 0.0;
   std::ranges::fill(_next, 0.0);
+  std::ranges::fill(_last, LastTouch{}); // its numbers are those of before
   _compliance_step = 0.0;
   if (_gdim == 2)
     list_facets<2>(x);
@@ -390,7 +433,7 @@ void GeneralContact::list_edges(const std::vector<double>& x)
         if (at.valid && at.gap < 0.0)
           continue;
       }
-      EdgePair pair{sharp[k], sharp[other], {}, 0.0};
+      EdgePair pair{sharp[k], sharp[other], {}, {}, {}, 0.0};
       if (const auto kept = _kept_edges.find({first.id, second.id}); kept != _kept_edges.end())
       {
         pair.spring = kept->second;
@@ -400,7 +443,7 @@ void GeneralContact::list_edges(const std::vector<double>& x)
     }
   }
   for (auto& [key, spring] : _kept_edges)
-    spring.drop<3>(_energy);
+    spring.drop<3>(nullptr, 0.0, _energy);
   _kept_edges.clear();
   _kept_owners.clear();
 }
@@ -455,10 +498,10 @@ bool GeneralContact::faces(std::int32_t node, const double* normal) const
   return false;
 }
 
-/// Is a point whose closest point lies on the boundary of a facet behind the facets beyond, too? Only then is it
-/// inside of the body. Beyond the rim of a surface it is not.
+/// Is a point whose closest point lies on the boundary of a facet behind the facets beyond, too, and no closer to them?
+/// Only then is it inside of the body. Beyond the rim of a surface it is not.
 template <int D>
-bool GeneralContact::behind_neighbours(std::size_t f, int side, int corner, const double* away) const
+bool GeneralContact::behind_neighbours(std::size_t f, const double* x, const search::loop::Closest<D>& at) const
 {
   const int num = _loops.num_corners();
   double corners[4][D], normal[D];
@@ -466,11 +509,13 @@ bool GeneralContact::behind_neighbours(std::size_t f, int side, int corner, cons
   {
     corners_at<D>(other, _x.data(), nullptr, corners);
     loop::side_normal(corners, num, k, normal);
-    return loop::dot<D>(away, normal) < 0.0;
+    constexpr double round_off = 1e-9;
+    return loop::dot<D>(at.away, normal) < 0.0 &&
+           !(loop::closest(corners, num, x).squared < (1.0 - round_off) * at.squared);
   };
-  if (side >= 0)
+  if (at.side >= 0)
   {
-    const std::int32_t other = _loops.neighbour(f, side);
+    const std::int32_t other = _loops.neighbour(f, at.side);
     if (other < 0)
       return false;
     int k = 0;
@@ -478,9 +523,9 @@ bool GeneralContact::behind_neighbours(std::size_t f, int side, int corner, cons
       ++k;
     return behind(other, k);
   }
-  for (const std::int32_t other : _loops.at_node(_loops.corners(f)[corner]))
+  for (const std::int32_t other : _loops.at_node(_loops.corners(f)[at.corner]))
   {
-    const int k = _loops.corner_of(other, _loops.corners(f)[corner]);
+    const int k = _loops.corner_of(other, _loops.corners(f)[at.corner]);
     const bool rim = _loops.neighbour(other, k) < 0 || (D == 3 && _loops.neighbour(other, (k + num - 1) % num) < 0);
     if (rim || (other != std::int32_t(f) && !behind(other, k)))
       return false;
@@ -519,7 +564,7 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
       continue;
     if (spring.closed ? loop::dot<D>(at.normal, spring.normal) < sliding : !faces<D>(node, at.normal))
       continue;
-    if (!front && !at.inside() && !behind_neighbours<D>(f, at.side, at.corner, at.away))
+    if (!front && !at.inside() && !behind_neighbours<D>(f, x, at))
       continue;
     const double gap = front ? along : distance <= rounding ? 0.0 : -distance;
     double height = _height[_loops.corners(f)[0]];
@@ -564,11 +609,22 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
   PairSpring& spring = _springs[i];
   Touch touch;
   const bool found = find<D>(i, state, touch);
+  const int num = _loops.num_corners();
+  const std::size_t node = _candidates.numbers()[i];
+  LastTouch& last = _last[i];
+  double before[D], turn_work = 0.0;
+  for (int c = 0; c < D; ++c)
+  {
+    before[c] = state.du[node * D + c];
+    for (int k = 0; k < num && last.corners[0] >= 0; ++k)
+    {
+      before[c] -= last.weights[k] * state.du[std::size_t(last.corners[k]) * D + c];
+      turn_work += last.turn[k * D + c] * state.du[std::size_t(last.corners[k]) * D + c];
+    }
+  }
   PairForce out;
   if (found)
   {
-    const int num = _loops.num_corners();
-    const std::size_t node = _candidates.numbers()[i];
     const std::int32_t* corners = _loops.corners(touch.facet);
     double motion[D], others = 0.0;
     for (int c = 0; c < D; ++c)
@@ -579,13 +635,29 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       for (int c = 0; c < D; ++c)
         motion[c] -= touch.weights[k] * state.du[std::size_t(corners[k]) * D + c];
     }
+    double r[4 * D];
+    MomentCorrection correction;
+    if (_options.friction > 0.0)
+    {
+      correction.set<D>(
+          num, [&](int k, int c) { return _x[std::size_t(corners[k]) * D + c]; }, touch.weights, _x.data() + node * D,
+          r);
+      add_rotation<D>(correction, num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; },
+                      motion);
+    }
     const double closing = loop::dot<D>(touch.normal, motion);
     const double stiffness = share_of_way / (_compliance[node] + others / _area[node]);
     spring.begin_at_rest(touch.gap, closing, _first);
-    out = spring.advance<D>({touch.normal, touch.gap + spring.spring.offset, closing, motion}, stiffness,
+    const double* const last_motion = last.corners[0] >= 0 ? before : motion;
+    out = spring.advance<D>({touch.normal, touch.gap + spring.spring.offset, closing, motion, last_motion, turn_work},
+                            stiffness,
                             _options.friction, _energy);
+    last.corners[0] = -1;
     if (spring.closed)
     {
+      std::copy_n(corners, num, last.corners);
+      std::copy_n(touch.weights, num, last.weights);
+      std::fill_n(last.turn, 12, 0.0);
       _deepest = std::max(_deepest, -touch.gap);
       for (int c = 0; c < D; ++c)
       {
@@ -594,19 +666,19 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
           _forces[std::size_t(corners[k]) * D + c] -= touch.weights[k] * out.force[c];
       }
       if (out.tangential_squared > 0.0) // normal forces are along the line of both points
-      {
-        double r[4 * D];
-        MomentCorrection correction;
-        correction.set<D>(
-            num, [&](int k, int c) { return _x[std::size_t(corners[k]) * D + c]; }, touch.weights,
-            _x.data() + node * D, r);
-        correction.forces<D>(num, r, out.force, [&](int k, int c, double value)
-                             { _forces[std::size_t(corners[k]) * D + c] += value; });
-      }
+        correction.forces<D>(num, r, out.force,
+                             [&](int k, int c, double value)
+                             {
+                               last.turn[k * D + c] = value;
+                               _forces[std::size_t(corners[k]) * D + c] += value;
+                             });
     }
   }
   else if (spring.closed)
-    spring.drop<D>(_energy);
+  {
+    spring.drop<D>(last.corners[0] >= 0 ? before : nullptr, turn_work, _energy);
+    last.corners[0] = -1;
+  }
   if (!spring.closed && _results.status[i] == ContactStatus::open)
     return;
   _results.status[i] = spring.closed ? out.status : ContactStatus::open;
@@ -648,10 +720,20 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
     pair.next = _moved + 0.5 * std::sqrt(loop::squared_distance(a, b));
   if (spring.closed && at.valid && loop::dot<3>(at.normal, spring.normal) < sliding)
     at.valid = false;
+  const bool known = pair.weights[0] + pair.weights[1] > 0.0;
+  double last[3] = {}, turn_work = 0.0;
+  for (int k = 0; k < 4 && known; ++k)
+    for (int c = 0; c < 3; ++c)
+    {
+      last[c] += (k < 2 ? 1.0 : -1.0) * pair.weights[k] * state.du[std::size_t(nodes[k]) * 3 + c];
+      turn_work += pair.turn[3 * k + c] * state.du[std::size_t(nodes[k]) * 3 + c];
+    }
+  std::fill_n(pair.weights, 4, 0.0);
+  std::fill_n(pair.turn, 12, 0.0);
   if (!at.valid)
   {
     if (spring.closed)
-      spring.drop<3>(_energy);
+      spring.drop<3>(known ? last : nullptr, turn_work, _energy);
     return;
   }
   if (!spring.closed && !(at.gap < _largest_step))
@@ -664,26 +746,37 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
     for (int c = 0; c < 3; ++c)
       motion[c] += (k < 2 ? 1.0 : -1.0) * weights[k] * state.du[std::size_t(nodes[k]) * 3 + c];
   }
+  double r[12];
+  MomentCorrection correction;
+  if (_options.friction > 0.0)
+  {
+    const double phi[4] = {0.0, 0.0, weights[2], weights[3]};
+    double point[3];
+    for (int c = 0; c < 3; ++c)
+      point[c] = weights[0] * a.ends[0][c] + weights[1] * a.ends[1][c];
+    correction.set<3>(4, [&](int k, int c) { return _x[std::size_t(nodes[k]) * 3 + c]; }, phi, point, r);
+    add_rotation<3>(correction, 4, r, [&](int k, int c) { return state.du[std::size_t(nodes[k]) * 3 + c]; }, motion);
+  }
   const double closing = loop::dot<3>(at.normal, motion);
   spring.begin_at_rest(at.gap, closing, _first);
-  const PairForce out = spring.advance<3>({at.normal, at.gap + spring.spring.offset, closing, motion},
-                                          share_of_way / compliance, _options.friction, _energy);
+  const PairForce out =
+      spring.advance<3>({at.normal, at.gap + spring.spring.offset, closing, motion, known ? last : motion, turn_work},
+                        share_of_way / compliance, _options.friction, _energy);
   if (!spring.closed)
     return;
+  std::copy_n(weights, 4, pair.weights);
   _deepest = std::max(_deepest, -at.gap);
   for (int k = 0; k < 4; ++k)
     for (int c = 0; c < 3; ++c)
       _forces[std::size_t(nodes[k]) * 3 + c] += (k < 2 ? 1.0 : -1.0) * weights[k] * out.force[c];
   if (!(out.tangential_squared > 0.0))
     return;
-  const double phi[4] = {0.0, 0.0, weights[2], weights[3]};
-  double point[3], r[12];
-  for (int c = 0; c < 3; ++c)
-    point[c] = weights[0] * a.ends[0][c] + weights[1] * a.ends[1][c];
-  MomentCorrection correction;
-  correction.set<3>(4, [&](int k, int c) { return _x[std::size_t(nodes[k]) * 3 + c]; }, phi, point, r);
   correction.forces<3>(4, r, out.force,
-                       [&](int k, int c, double value) { _forces[std::size_t(nodes[k]) * 3 + c] += value; });
+                       [&](int k, int c, double value)
+                       {
+                         pair.turn[3 * k + c] = value;
+                         _forces[std::size_t(nodes[k]) * 3 + c] += value;
+                       });
 }
 
 template <int D>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../../search/general/FacetLoops.h"
+#include "../../search/general/closest_on_loop.h"
 #include "../ContactStatus.h"
 #include "../node_to_surface/NodalContact.h"
 #include "../node_to_surface/NodeCandidates.h"
@@ -96,9 +97,18 @@ private:
   {
     std::int32_t first, second;
     PairSpring spring;
-    double next = 0.0; ///< motion from which they have to be looked at again [L]
+    double weights[4] = {}; ///< of the ends in the last step, while it is closed; zero: not known
+    double turn[12] = {};   ///< moment correction of the last force at the ends [F]
+    double next = 0.0;      ///< motion from which they have to be looked at again [L]
   };
   struct Touch;
+  /// Where the force of the last step on a node acts.
+  struct LastTouch
+  {
+    std::int32_t corners[4] = {-1}; ///< numbers; -1: not known
+    double weights[4] = {};
+    double turn[12] = {}; ///< moment correction at the corners [F]
+  };
   typedef std::pair<std::int64_t, std::int64_t> EdgeKey;
 
   template <int D>
@@ -106,7 +116,7 @@ private:
   template <int D>
   bool faces(std::int32_t node, const double* normal) const;
   template <int D>
-  bool behind_neighbours(std::size_t f, int side, int corner, const double* away) const;
+  bool behind_neighbours(std::size_t f, const double* x, const search::loop::Closest<D>& at) const;
   template <int D>
   bool find(std::size_t i, const NodalState& state, Touch& touch);
   template <int D>
@@ -155,6 +165,7 @@ private:
   double _largest_step = 0.0;                ///< largest increment of a node in this step [L]
 
   std::vector<PairSpring> _springs; ///< by node
+  std::vector<LastTouch> _last;     ///< by node
   bool _first = true;               ///< no forces were computed yet
   GeneralResults _results;
   ContactEnergy _energy;

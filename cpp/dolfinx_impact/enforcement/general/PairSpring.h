@@ -16,7 +16,9 @@ struct PairMotion
   const double* normal; ///< unit, from the second point's body outward
   double gap;           ///< now, positive if open [L]
   double closing;       ///< increment of the gap by the motion of the step [L]
-  const double* motion; ///< increment of the first point relative to the second one [L]
+  const double* motion; ///< increment of the first point relative to the second one's body, which turns [L]
+  const double* last;   ///< the same of the points at which the force of the last step acts, without the turn [L]
+  double turn_work;     ///< work in this step of the moment correction of that force [F L]
 };
 
 /// What a spring does in a step.
@@ -53,40 +55,42 @@ struct PairSpring
   PairForce advance(const PairMotion& at, double k, double friction, ContactEnergy& energy);
   /// The points part: half of the last force's work is done in this step.
   template <int D>
-  void release(const PairMotion& at, double change, ContactEnergy& energy);
+  void release(const PairMotion& at, ContactEnergy& energy);
   /// The pair is given up although its gap did not open: what is stored is dissipated.
+  /// @param[in] last, turn_work as in PairMotion; null: not known
   template <int D>
-  void drop(ContactEnergy& energy);
+  void drop(const double* last, double turn_work, ContactEnergy& energy);
 };
 
 template <int D>
-void PairSpring::release(const PairMotion& at, double change, ContactEnergy& energy)
+void PairSpring::release(const PairMotion& at, ContactEnergy& energy)
 {
-  double along = 0.0, squared = 0.0, left = 0.0, work = 0.0;
-  energy.normal -= normal_release(spring, change);
-  for (int c = 0; c < D; ++c)
-    along += at.normal[c] * tangential[c];
+  double change = 0.0, squared = 0.0, work = 0.0;
   for (int c = 0; c < D; ++c)
   {
-    const double turned = tangential[c] - along * at.normal[c];
+    change += normal[c] * at.last[c];
     squared += tangential[c] * tangential[c];
-    left += turned * turned;
-    work += turned * at.motion[c];
+    work += tangential[c] * at.last[c];
     tangential[c] = 0.0;
   }
-  work *= left > 0.0 ? std::sqrt(squared / left) : 0.0; // the force keeps its size when the normal turns
+  work += at.turn_work;
+  energy.normal -= normal_release(spring, change);
   energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
   closed = false;
 }
 
 template <int D>
-void PairSpring::drop(ContactEnergy& energy)
+void PairSpring::drop(const double* last, double turn_work, ContactEnergy& energy)
 {
-  double squared = 0.0;
+  double change = 0.0, squared = 0.0, work = turn_work;
   for (int c = 0; c < D; ++c)
+  {
+    change += last ? normal[c] * last[c] : 0.0;
+    work += last ? tangential[c] * last[c] : 0.0;
     squared += tangential[c] * tangential[c];
-  energy.normal -= normal_release(spring, 0.0);
-  energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance);
+  }
+  energy.normal -= normal_release(spring, change);
+  energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
   std::fill_n(tangential, 3, 0.0);
   closed = false;
 }
@@ -97,29 +101,34 @@ PairForce PairSpring::advance(const PairMotion& at, double k, double friction, C
   PairForce out;
   const double* n = at.normal;
   const double r = at.closing, overlap = mean_overlap(at.gap, r), per_k = 1.0 / k;
-  double way_squared = 0.0;
-  for (int c = 0; c < D; ++c)
-    way_squared += at.motion[c] * at.motion[c];
-  double change = closed ? at.gap - spring.gap : r;
-  if (change * change > 4.0 * way_squared) // the closest point has jumped: no motion of the step explains this change
-    change = std::copysign(2.0 * std::sqrt(way_squared), change);
   if (!(overlap > 0.0))
   {
     if (closed)
-      release<D>(at, change, energy);
+      release<D>(at, energy);
     return out;
   }
+  if (closed)
+  {
+    // The last force has done half of its work in this step, along its own normal.
+    double along = 0.0;
+    for (int c = 0; c < D; ++c)
+      along += normal[c] * at.last[c];
+    const double more = 0.5 * spring.force * (along - r);
+    spring.surplus -= more;
+    energy.normal += more;
+  }
   const double last_compliance = spring.compliance;
-  energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, change, !closed);
+  energy.normal -= normal_step(spring, k * overlap, k, per_k, at.gap, r, !closed);
   for (int c = 0; c < D; ++c)
     out.force[c] = spring.force * n[c];
   out.status = ContactStatus::slip;
   if (friction > 0.0)
   {
     const double part = part_below(at.gap, r), limit = friction * spring.force;
-    double trial[D], turned[D], motion[D], stored = 0.0;
+    double trial[D], turned[D], motion[D], stored = 0.0, more = 0.5 * at.turn_work;
     for (int c = 0; c < D; ++c)
     {
+      more += 0.5 * tangential[c] * at.last[c];
       stored += 0.5 * tangential[c] * tangential[c] * last_compliance;
       motion[c] = at.motion[c] - r * n[c];
       out.slip[c] = part * motion[c];
@@ -127,7 +136,12 @@ PairForce PairSpring::advance(const PairMotion& at, double k, double friction, C
     bool changed = false;
     const bool slips = coulomb<D>(n, k, per_k, limit, tangential, out.slip, trial);
     for (int c = 0; c < D; ++c)
+    {
       turned[c] = trial[c] + k * part * motion[c];
+      more -= 0.5 * turned[c] * motion[c];
+    }
+    spring.tangential_surplus -= more;
+    energy.friction -= more;
     energy.friction += tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit,
                                           tangential, changed);
     for (int c = 0; c < D; ++c)
