@@ -541,9 +541,10 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
   const std::size_t node = _candidates.numbers()[i];
   const double* x = _x.data() + node * D;
   const PairSpring& spring = _springs[i];
-  double nearest = std::numeric_limits<double>::infinity(), size = 0.0;
+  double nearest = std::numeric_limits<double>::infinity(), size = 0.0, lost = 0.0;
   for (int c = 0; c < D; ++c)
     size += std::abs(_X[node * D + c]) + std::abs(state.u[node * D + c]);
+  const double last_gap = spring.spring.gap - spring.spring.offset;
   // Rounding of positions makes gaps of both signs of surfaces that touch.
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * size;
   for (std::int32_t k = _starts[i]; k < _starts[i + 1]; ++k)
@@ -570,8 +571,17 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
     double height = _height[_loops.corners(f)[0]];
     for (int j = 1; j < num; ++j)
       height = std::min(height, _height[_loops.corners(f)[j]]);
-    if (spring.closed && -gap > height)
-      continue; // this facet belongs to the far side, or to another body
+    if (spring.closed)
+    {
+      // A gap that the motion of the step does not explain is that of another layer.
+      if (!(std::abs(gap - last_gap) <= 2.1 * _largest_step + rounding))
+        continue;
+      if (-gap > height)
+      {
+        lost = std::max(lost, -gap / height);
+        continue;
+      }
+    }
     if (gap < 0.0 && !spring.closed)
     {
       if (-gap > shallow_part * height)
@@ -599,6 +609,8 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
     for (int c = 0; c < D; ++c)
       touch.normal[c] = at.flat || gap >= 0.0 ? at.normal[c] : -at.away[c] / distance;
   }
+  if (!std::isfinite(touch.gap) && lost > _passage.facets)
+    _passage = {_candidates.nodes()[i], lost, true};
   _next[i] = _moved + 0.5 * std::sqrt(nearest);
   return std::isfinite(touch.gap);
 }

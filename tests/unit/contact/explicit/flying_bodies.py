@@ -26,8 +26,9 @@ class Flying:
         dim = len(bodies[0][0])
         parts = [grid((0,) * dim, (1,) * dim, counts, cell) for counts, *_ in bodies]
         maps = [b[1] for b in bodies]
+        parts = [_joined(m(p), c) for m, (p, c) in zip(maps, parts)]
         first = np.cumsum([0, *(len(p) for p, _ in parts)])
-        points = np.vstack([m(p) for m, (p, _) in zip(maps, parts)])
+        points = np.vstack([p for p, _ in parts])
         cells = np.vstack([c + start for (_, c), start in zip(parts, first)])
         body = np.concatenate([np.full(len(c), b) for b, (_, c) in enumerate(parts)])
         if comm.rank:
@@ -93,6 +94,22 @@ class Flying:
         own = self.body[:n] == body
         sums = self.comm.allreduce(np.concatenate([(m * x)[own].sum(axis=0), [m[own, 0].sum()]]), MPI.SUM)
         return sums[:-1] / sums[-1]
+
+
+def _joined(points, cells):
+    """A grid whose map brings nodes to the same place, as that of a ring does."""
+    _, kept, number = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
+    return points[kept], number.reshape(-1)[cells]
+
+
+def ring(radius, thickness, middle=(0.0, 0.0)):
+    """Map of the unit box onto a ring, around it along the first axis and inward along the second."""
+
+    def place(p):
+        angle, r = -2.0 * np.pi * p[:, 0], radius - thickness * p[:, 1]
+        return np.column_stack([r * np.cos(angle), r * np.sin(angle)]) + middle
+
+    return place
 
 
 def box(low, high, turn=None):
