@@ -55,7 +55,7 @@ enum Shared
 constexpr std::size_t most_pairs = 26;
 /// Edges that a node may be the first end of and that touch others, in a checkpoint.
 constexpr std::size_t edges_per_node = 6;
-constexpr int numbers_per_edge = 12;
+constexpr int numbers_per_edge = 28;
 
 constexpr std::array<double Spring::*, 6> members{&Spring::force,   &Spring::compliance,         &Spring::gap,
                                                   &Spring::surplus, &Spring::tangential_surplus, &Spring::offset};
@@ -251,7 +251,14 @@ void GeneralContact::assign_numbers(operators::Halo& halo, std::span<const std::
   _loops = search::FacetLoops(_found, n);
   _moved = 0.0;
   std::ranges::fill(_next, 0.0);
-  std::ranges::fill(_last, LastTouch{}); // its numbers are those of before
+  for (LastTouch& last : _last) // its numbers are those of before
+  {
+    const auto at = std::ranges::lower_bound(_found.id, last.facet);
+    if (last.facet >= 0 && at != _found.id.end() && *at == last.facet)
+      std::copy_n(_loops.corners(at - _found.id.begin()), _loops.num_corners(), last.corners);
+    else
+      last = {};
+  }
   _compliance_step = 0.0;
   if (_gdim == 2)
     list_facets<2>(x);
@@ -383,7 +390,7 @@ void GeneralContact::keep_edges()
 {
   for (const EdgePair& pair : _edge_pairs)
     if (pair.spring.closed)
-      _kept_edges[{_loops.edges()[pair.first].id, _loops.edges()[pair.second].id}] = pair.spring;
+      _kept_edges[{_loops.edges()[pair.first].id, _loops.edges()[pair.second].id}] = pair;
   _edge_pairs.clear();
 }
 
@@ -433,17 +440,19 @@ void GeneralContact::list_edges(const std::vector<double>& x)
         if (at.valid && at.gap < 0.0)
           continue;
       }
-      EdgePair pair{sharp[k], sharp[other], {}, {}, {}, 0.0};
+      EdgePair pair;
+      pair.first = sharp[k];
+      pair.second = sharp[other];
       if (const auto kept = _kept_edges.find({first.id, second.id}); kept != _kept_edges.end())
       {
-        pair.spring = kept->second;
+        static_cast<EdgeSpring&>(pair) = kept->second;
         _kept_edges.erase(kept);
       }
       _edge_pairs.push_back(pair);
     }
   }
-  for (auto& [key, spring] : _kept_edges)
-    spring.drop<3>(nullptr, 0.0, _energy);
+  for (auto& [key, kept] : _kept_edges)
+    kept.spring.drop<3>(nullptr, 0.0, _energy);
   _kept_edges.clear();
   _kept_owners.clear();
 }
@@ -664,12 +673,12 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
     out = spring.advance<D>({touch.normal, touch.gap + spring.spring.offset, closing, motion, last_motion, turn_work},
                             stiffness,
                             _options.friction, _energy);
-    last.corners[0] = -1;
+    last = {};
     if (spring.closed)
     {
+      last.facet = _loops.id(touch.facet);
       std::copy_n(corners, num, last.corners);
       std::copy_n(touch.weights, num, last.weights);
-      std::fill_n(last.turn, 12, 0.0);
       _deepest = std::max(_deepest, -touch.gap);
       for (int c = 0; c < D; ++c)
       {
@@ -689,7 +698,7 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
   else if (spring.closed)
   {
     spring.drop<D>(last.corners[0] >= 0 ? before : nullptr, turn_work, _energy);
-    last.corners[0] = -1;
+    last = {};
   }
   if (!spring.closed && _results.status[i] == ContactStatus::open)
     return;
@@ -889,6 +898,18 @@ state::State GeneralContact::saved_state() const
     std::ranges::transform(_springs, column.begin(), [&](const PairSpring& s) { return s.spring.*members[m]; });
     out.add_own(member_names[m], Place::node, std::move(column));
   }
+  const int num = facets().displacement.num_corners();
+  std::vector<std::int64_t> touched;
+  std::vector<double> weights, turns;
+  for (const LastTouch& last : _last)
+  {
+    touched.push_back(last.facet);
+    weights.insert(weights.end(), last.weights, last.weights + num);
+    turns.insert(turns.end(), last.turn, last.turn + num * _gdim);
+  }
+  out.add_own("last_facet", Place::node, std::move(touched));
+  out.add_own("last_weights", Place::node, std::move(weights), num);
+  out.add_own("last_correction", Place::node, std::move(turns), num * _gdim);
   out.add_own("closed", Place::node, closed);
   if (_gdim == 3)
   {
@@ -896,7 +917,7 @@ state::State GeneralContact::saved_state() const
     std::vector<std::int64_t> keys(n * 2 * edges_per_node, -1);
     std::vector<double> values(n * numbers_per_edge * edges_per_node, 0.0);
     std::vector<std::size_t> count(n, 0);
-    std::map<EdgeKey, std::pair<std::int32_t, PairSpring>> all;
+    std::map<EdgeKey, std::pair<std::int32_t, EdgeSpring>> all;
     for (const auto& [key, kept] : _kept_edges)
       all[key] = {_kept_owners.at(key), kept};
     for (const EdgePair& pair : _edge_pairs)
@@ -904,12 +925,13 @@ state::State GeneralContact::saved_state() const
       {
         const SurfaceEdge& first = _loops.edges()[pair.first];
         const auto at = std::ranges::find(_candidates.numbers(), first.nodes[0]) - _candidates.numbers().begin();
-        all[{first.id, _loops.edges()[pair.second].id}] = {std::int32_t(at), pair.spring};
+        all[{first.id, _loops.edges()[pair.second].id}] = {std::int32_t(at), pair};
       }
     std::size_t most = 0;
     for (const auto& [key, entry] : all)
     {
-      const auto& [i, spring] = entry;
+      const auto& [i, edge] = entry;
+      const PairSpring& spring = edge.spring;
       most = std::max(most, ++count[i]);
       if (count[i] > edges_per_node)
         continue;
@@ -921,6 +943,8 @@ state::State GeneralContact::saved_state() const
         to[m] = spring.spring.*members[m];
       std::copy_n(spring.tangential, 3, to + 6);
       std::copy_n(spring.normal, 3, to + 9);
+      std::copy_n(edge.weights, 4, to + 12);
+      std::copy_n(edge.turn, 12, to + 16);
     }
     if (common::largest(_candidates.comm(), double(most)) > double(edges_per_node))
       throw std::runtime_error("a node has more than " + std::to_string(edges_per_node) +
@@ -955,6 +979,16 @@ void GeneralContact::resume(const state::State& saved)
     _results.status[i] = spring.closed ? ContactStatus::slip : ContactStatus::open;
     _results.gap[i] = spring.closed ? spring.spring.gap : std::numeric_limits<double>::infinity();
   }
+  const int num = facets().displacement.num_corners();
+  const auto touched = saved.values<std::int64_t>("last_facet");
+  const auto weights = saved.values<double>("last_weights"), turns = saved.values<double>("last_correction");
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+  {
+    _last[i] = {};
+    _last[i].facet = touched[i];
+    std::copy_n(weights.begin() + i * num, num, _last[i].weights);
+    std::copy_n(turns.begin() + i * num * _gdim, num * _gdim, _last[i].turn);
+  }
   _edge_pairs.clear();
   _kept_edges.clear();
   _kept_owners.clear();
@@ -966,14 +1000,17 @@ void GeneralContact::resume(const state::State& saved)
       if (keys[2 * place] >= 0)
       {
         const double* from = values.data() + place * numbers_per_edge;
-        PairSpring spring;
+        EdgeSpring edge;
+        PairSpring& spring = edge.spring;
         for (std::size_t m = 0; m < members.size(); ++m)
           spring.spring.*members[m] = from[m];
         std::copy_n(from + 6, 3, spring.tangential);
         std::copy_n(from + 9, 3, spring.normal);
         spring.closed = true;
+        std::copy_n(from + 12, 4, edge.weights);
+        std::copy_n(from + 16, 12, edge.turn);
         const EdgeKey key{keys[2 * place], keys[2 * place + 1]};
-        _kept_edges[key] = spring;
+        _kept_edges[key] = edge;
         _kept_owners[key] = std::int32_t(place / edges_per_node);
       }
   }
@@ -990,7 +1027,8 @@ void GeneralContact::reset()
   for (PairSpring& spring : _springs)
     spring = {};
   for (EdgePair& pair : _edge_pairs)
-    pair.spring = {};
+    static_cast<EdgeSpring&>(pair) = {};
+  std::ranges::fill(_last, LastTouch{});
   _kept_edges.clear();
   _kept_owners.clear();
   std::ranges::fill(_results.status, ContactStatus::open);

@@ -92,19 +92,24 @@ public:
   }
 
 private:
-  /// Two edges near each other; `first` has the smaller id.
-  struct EdgePair
+  /// Spring of two edges, and where its last force acts.
+  struct EdgeSpring
   {
-    std::int32_t first, second;
     PairSpring spring;
     double weights[4] = {}; ///< of the ends in the last step, while it is closed; zero: not known
     double turn[12] = {};   ///< moment correction of the last force at the ends [F]
-    double next = 0.0;      ///< motion from which they have to be looked at again [L]
+  };
+  /// Two edges near each other; `first` has the smaller id.
+  struct EdgePair : EdgeSpring
+  {
+    std::int32_t first = -1, second = -1;
+    double next = 0.0; ///< motion from which they have to be looked at again [L]
   };
   struct Touch;
   /// Where the force of the last step on a node acts.
   struct LastTouch
   {
+    std::int64_t facet = -1;        ///< id; -1: not known
     std::int32_t corners[4] = {-1}; ///< numbers; -1: not known
     double weights[4] = {};
     double turn[12] = {}; ///< moment correction at the corners [F]
@@ -159,7 +164,7 @@ private:
   std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
   std::vector<double> _next;                ///< by node, as in EdgePair
   std::vector<EdgePair> _edge_pairs;
-  std::map<EdgeKey, PairSpring> _kept_edges; ///< histories until edges are listed again
+  std::map<EdgeKey, EdgeSpring> _kept_edges; ///< histories until edges are listed again
   std::map<EdgeKey, std::int32_t> _kept_owners; ///< of those that `resume` brought: position among the nodes
   double _moved = 0.0;                       ///< sum of the largest increments since the lists were made [L]
   double _largest_step = 0.0;                ///< largest increment of a node in this step [L]
