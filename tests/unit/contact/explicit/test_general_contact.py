@@ -16,17 +16,16 @@ from dolfinx_impact.contact.explicit.general import GeneralOutput, GeneralSurfac
 test_one_rank, test_several_ranks = rank_tests(general_contact_checks)
 SPACE = ("hexahedron", "tetrahedron")
 PLANE = ("quadrilateral", "triangle")
-# A contact's work is told along the springs' own normals: the balance of energy is off by what lists that are made
-# anew forget of the last step, and by the trapezoidal rule of the internal forces.
-BALANCE = 3e-4
+# Work of forces and changes of energies are the same sums: with steps of one length the balance is off by round-off.
+BALANCE = 1e-12
 
 
-def run(bodies, until, friction=0.0, part=None):
+def run(bodies, until, friction=0.0, part=0.6):
     """Advance; momentum and angular momentum stay to round-off, and the energies balance.
 
     Args:
-        part: of the stable step at the start, for steps that are all alike: where the stable step changes much, steps
-            of changing lengths do not keep the energy themselves. None: as the problem chooses.
+        part: of the stable step at the start, for steps that are all alike: the integrator's own energy is not exact
+            when they change.
 
     Returns:
         The problem, the deepest penetration, and the largest numbers of springs of nodes and of edges.
@@ -39,13 +38,13 @@ def run(bodies, until, friction=0.0, part=None):
         general = next(c for c in p.contact if isinstance(c, GeneralOutput))
         seen[:] = np.maximum(seen, [general.deepest, *general.num_springs])
 
-    dt = "auto" if part is None else part * problem.stable_step()
-    problem.advance(until=until, dt=dt, callback=look, progress=False)
+    problem.advance(until=until, dt=part * problem.stable_step(), callback=look, progress=False)
     _, m, v, x = bodies._owned(problem)
     size = float((m * np.abs(v)).sum()) * max(1.0, float(np.abs(x).max()))
     assert np.abs(bodies.momentum(problem) - momentum).max() < 1e-13 * size
     assert np.abs(bodies.angular_momentum(problem) - spin).max() < 1e-13 * size
     assert abs(problem.energy["drift"]) < BALANCE
+    assert problem.energy["impact"] + problem.energy["contact"] > -1e-4 * problem.energy["total"]  # springs give none
     return problem, seen[0], int(seen[1]), int(seen[2])
 
 
@@ -165,7 +164,7 @@ def folded_strip(cell):
 @pytest.mark.parametrize("cell", PLANE)
 def test_strip_folds_onto_itself(cell):
     bodies = folded_strip(cell)
-    problem, deep, nodes, _ = run(bodies, 0.3, friction=0.3, part=0.7)
+    problem, deep, nodes, _ = run(bodies, 0.3, friction=0.3)
     assert nodes > 4 and deep < 0.015  # of a thickness of 0.1
     assert problem.contact[0]._general.searches < 0.2 * problem.step
     y = bodies.X[:, 1] + problem.u.x.array.reshape(-1, 2)[:, 1]
@@ -191,7 +190,7 @@ def test_ring_is_crushed_until_its_inner_faces_touch():
         contact = p.contact[0]
         met[0] = max(met[0], int(np.sum(inside[contact.nodes] & (contact.status > 0) & (bodies.body[contact.nodes] == 0))))
 
-    problem.advance(until=1.5, callback=look, progress=False)
+    problem.advance(until=1.5, dt=0.5 * problem.stable_step(), callback=look, progress=False)
     assert met[0] > 4
     assert abs(problem.energy["drift"]) < BALANCE
     assert bodies.mean_velocity(problem, 1)[1] > 0.3 and bodies.mean_velocity(problem, 2)[1] < -0.3
@@ -202,16 +201,6 @@ def test_nodes_that_are_pressed_through_are_told():
     problem = crushed_ring(3.0).problem(0.2)
     with pytest.raises(RuntimeError, match="was pressed through the surface that held it back"):
         problem.advance(until=0.8, progress=False)
-
-
-def test_balance_of_energy_is_exact_without_new_lists():
-    """Springs of nodes and edges with friction, whose lists last: nothing is left of the balance but round-off."""
-    bodies = general_contact_checks.stack(MPI.COMM_SELF)
-    problem = bodies.problem(friction=0.3)
-    problem.advance(until=0.1, progress=False)
-    searches, step = problem.contact[0]._general.searches, problem.step
-    assert problem.energy["friction"] > 0.0 and step > 5 and searches <= 1
-    assert abs(problem.energy["drift"]) < 1e-13
 
 
 def test_named_pairs_win():
@@ -297,9 +286,8 @@ def test_heap_of_blocks():
     for k in range(30):
         place = np.array([1.9 * (k % 3), 1.9 * (k // 3 % 3), 1.9 * (k // 9)])
         turn = rotation(random.normal(size=3), random.uniform(0.0, 2.0))
-        velocity = 0.5 * (np.array([1.9, 1.9, 2.9]) - place) + random.uniform(-0.2, 0.2, 3)
+        velocity = 0.15 * (np.array([1.9, 1.9, 2.9]) - place) + random.uniform(-0.1, 0.1, 3)
         bodies.append(((2, 2, 2), box(place - 0.5, place + 0.5, turn), velocity))
     heap = Flying(bodies, "hexahedron")
-    problem, deep, nodes, edges = run(heap, 4.0, friction=0.3)
+    problem, deep, nodes, edges = run(heap, 12.0, friction=0.3, part=0.5)
     assert nodes > 20 and edges > 10 and deep < 0.06
-    assert problem.energy["kinetic"] + problem.energy["internal"] < problem.energy["total"] * (1 + BALANCE)
