@@ -31,6 +31,7 @@ void bind_static_contact(nb::module_& m)
       .def_prop_ro("name", &StaticContact::name)
       .def_prop_ro("fault", &StaticContact::fault)
       .def("check_parameters", &StaticContact::check_parameters)
+      .def("set_time_step", &StaticContact::set_time_step, nb::arg("dt"), "Of the increments that follow; 0: none [T]")
       .def(
           "begin_step",
           [](StaticContact& c, Values u, const std::optional<std::array<double, 3>>& displacement,

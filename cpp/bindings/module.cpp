@@ -32,6 +32,7 @@ NB_MODULE(_cpp, m)
   dolfinx_impact::bindings::search(search);
   nb::module_ enforcement = m.def_submodule("enforcement", "What contacts of all kinds have");
   dolfinx_impact::bindings::enforcement(enforcement);
+  dolfinx_impact::bindings::interface_law(enforcement);
   nb::module_ penalty = m.def_submodule("penalty", "Gaps turned into forces at the slave's quadrature points");
   dolfinx_impact::bindings::penalty(penalty);
   nb::module_ multipliers = m.def_submodule("multipliers", "Mortar integrals, active set and condensation");

@@ -23,6 +23,7 @@ void nodal(nanobind::module_& m);
 void mortar(nanobind::module_& m);
 void gap(nanobind::module_& m);
 void enforcement(nanobind::module_& m);
+void interface_law(nanobind::module_& m);
 void mortar_contact(nanobind::module_& m);
 void mortar_geometry(nanobind::module_& m);
 void multipliers(nanobind::module_& m);

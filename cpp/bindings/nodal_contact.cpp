@@ -3,6 +3,7 @@
 #include "dolfinx_impact/enforcement/general/GeneralContact.h"
 #include "dolfinx_impact/enforcement/node_to_surface/KinematicStep.h"
 #include "dolfinx_impact/enforcement/node_to_surface/NodalPair.h"
+#include "dolfinx_impact/enforcement/node_to_surface/NodeLaw.h"
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -94,6 +95,13 @@ void construct_penalty(NodePenalty* self, const FunctionSpace& V, const Facets& 
                        bool axisymmetric, bool by_step)
 {
   new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, share, by_step});
+}
+
+template <typename Master>
+void construct_law(NodeLaw* self, const FunctionSpace& V, const Facets& slave, const Master& master,
+                   std::shared_ptr<const InterfaceLaw> law, double friction, double search_distance, bool axisymmetric)
+{
+  new (self) NodeLaw(V, slave, master, std::move(law), {friction, search_distance, axisymmetric});
 }
 
 template <typename Master>
@@ -210,6 +218,14 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           nb::arg("halo"), nb::arg("u"), nb::arg("du"), nb::arg("inverse_mass"), nb::arg("dt"),
           nb::arg("f").noconvert(), nb::arg("times") = 1,
           "Add the forces to f (a view is changed); several times for timing");
+
+  nb::class_<NodeLaw, NodeToSurface>(m, "NodeLaw", "A law of the interface at slave nodes")
+      .def("__init__", &construct_law<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("law"),
+           nb::arg("friction") = p.friction, nb::arg("search_distance") = p.search_distance,
+           nb::arg("axisymmetric") = p.axisymmetric)
+      .def("__init__", &construct_law<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("law"),
+           nb::arg("friction") = p.friction, nb::arg("search_distance") = p.search_distance,
+           nb::arg("axisymmetric") = p.axisymmetric);
 
   const KinematicContactOptions k;
   nb::class_<KinematicContact, NodeToSurface>(m, "KinematicContact", "Forces that correct a predicted step")

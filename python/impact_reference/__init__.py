@@ -6,7 +6,7 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
+from . import contact, elements, explicit, interface, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .discretisation import StaticSolution
@@ -33,6 +33,15 @@ from .elements import (
     second_piola,
 )
 from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
+from .interface import (
+    InterfaceHistory,
+    adhesive_pressure,
+    cohesive_history,
+    damped_pressure,
+    exponential_pressure,
+    friction_history,
+    spring_pressure,
+)
 from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
@@ -55,6 +64,7 @@ __all__ = [
     "Csr",
     "ExplicitResult",
     "ImplicitContact",
+    "InterfaceHistory",
     "J2Answer",
     "J2History",
     "J2Parameters",
@@ -77,7 +87,10 @@ __all__ = [
     "Spinning",
     "StaticSolution",
     "Translating",
+    "adhesive_pressure",
+    "cohesive_history",
     "contact",
+    "damped_pressure",
     "default_rule",
     "element_ale_inertia",
     "element_ale_load",
@@ -101,9 +114,12 @@ __all__ = [
     "element_traction",
     "elements",
     "explicit",
+    "exponential_pressure",
     "facet_nodes",
     "facet_type",
     "facets",
+    "friction_history",
+    "interface",
     "model",
     "newmark",
     "plastic_body",
@@ -115,5 +131,6 @@ __all__ = [
     "second_piola",
     "shape_functions",
     "sparse",
+    "spring_pressure",
     "streamlines",
 ]

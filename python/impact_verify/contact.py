@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from . import contact_patch, contact_static
+from . import contact_patch, contact_static, interface_laws
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -32,6 +32,7 @@ def run(report: Report, progress: bool = True) -> None:
             for geometry_degree in (1, 2):
                 patches(report, cell, hypothesis, degree, geometry_degree)
     contact_static.run(report)
+    interface_laws.run(report)
 
 
 def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_degree: int, seed: int = 1) -> None:

@@ -40,10 +40,17 @@ public:
   /// Why a converged state is not a solution; empty if it is one. Not collective.
   virtual std::string fault() const { return ""; }
 
+  /// Say how long the increments are that follow; zero: they have no length in time, as in static problems [T]. Not
+  /// collective.
+  virtual void set_time_step(double) {}
+
   // --- load steps ------------------------------------------------------------------------------------------------
   /// Refuse parameters that do not fit the problem, before a solution.
   /// @throws std::invalid_argument on all ranks
   virtual void check_parameters() {}
+  /// Refuse what needs time, before a static solution.
+  /// @throws std::invalid_argument on all ranks
+  virtual void check_without_time() const {}
   /// Begin an increment.
   /// @param[in] u displacements, owned and ghosts [L]
   /// @param[in] displacement of a rigid master at the end of the increment; nothing for deformable masters [L]
@@ -88,6 +95,9 @@ public:
   virtual void set_convex(bool) {}
   /// Whether the contact has friction. Not collective.
   virtual bool has_friction() const = 0;
+  /// Whether forces may grow faster than their tangent tells, so that every Newton step needs a line search. Not
+  /// collective.
+  virtual bool needs_line_search() const { return false; }
   /// Whether the tangent is symmetric in the present state.
   virtual bool symmetric() const { return true; }
   /// Number of active points of all ranks.

@@ -230,6 +230,8 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.friction += energy.friction;
     sums.normal += energy.normal;
     sums.passages += pair.contact.passage().node >= 0;
+    for (const auto& direction : pair.contact.directions())
+      sums.unsolved += double(direction->num_unsolved());
     if (pair.kinematic)
     {
       sums.kinematic += energy.normal;

@@ -24,7 +24,7 @@ std::vector<double> CellSteps::operator()(std::span<const double> squares, std::
 {
   std::vector<double> out(squares.size());
   for (std::size_t i = 0; i < out.size(); ++i)
-    out[i] = stable_step(squares[i] + springs * springs, rates[i], uniform, scheme);
+    out[i] = stable_step(squares[i] + springs * springs, rates[i] + dampers, uniform, scheme);
   return out;
 }
 

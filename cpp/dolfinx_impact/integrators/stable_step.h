@@ -32,6 +32,7 @@ struct CellSteps
   UniformDamping uniform;
   Scheme scheme = Scheme::half_step;
   double springs = 0.0; ///< angular frequency that contact adds [1/T]
+  double dampers = 0.0; ///< damping over mass that contact adds [1/T]
 
   /// @param[in] squares of the cells' highest angular frequencies [1/T^2]
   /// @param[in] rates largest eigenvalues of damping over mass [1/T]

@@ -83,13 +83,14 @@ integrators::CellSteps cell_steps(const ExplicitBody& body, const std::vector<Co
                                   const dolfinx::fem::FunctionSpace<double>& V, integrators::Scheme scheme)
 {
   const std::vector<double> mass = nodal_masses(body, V);
-  double square = 0.0;
+  double square = 0.0, rate = 0.0;
   for (const ContactInTime& c : contacts)
   {
     const double frequency = c.contact.spring_frequency(mass);
     square += frequency * frequency;
+    rate += c.contact.damping_rate(mass);
   }
-  return {body.damping, scheme, std::sqrt(square)};
+  return {body.damping, scheme, std::sqrt(square), rate};
 }
 
 /// Springs without a given penalty get the stiffness that the bodies offer at rest. Collective.

@@ -91,7 +91,10 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
   const solve::EquilibriumProblem& p = *_equilibrium;
   check(options);
   for (const auto& contact : p.contacts)
+  {
+    contact->check_without_time();
     contact->check_parameters();
+  }
   dolfinx::la::Vector<double> target(*p.u->x());
   for (const auto& bc : _bcs)
     bc->set(common::array(target), std::nullopt, 1.0);

@@ -106,6 +106,9 @@ Newton::Newton(std::shared_ptr<const EquilibriumProblem> problem, NewtonOptions 
   // gradient of the increment's energy, or nearly so (recovery of the back stress, finite strain).
   const bool search = _inelastic && _multipliers.empty();
   _plain = search ? plain_inelastic : plain_iterations;
+  for (const enforcement::StaticContact* contact : _contacts)
+    if (contact->needs_line_search())
+      _plain = 0;
   // Contact by penalty has kinks where points close, slip or change facets; there is no active set for them.
   _rough = (!_contacts.empty() && _multipliers.empty()) || search;
   _conservative = _rough && !friction;

@@ -14,11 +14,13 @@ from dolfinx.mesh import Mesh
 from dolfinx_impact.common.progress_bar import transient_bar
 from dolfinx_impact.own_forms import distorted_block
 from dolfinx_impact.forms import registry
+from dolfinx_impact.interface import InterfaceLaw
 from ..model_warnings import model_warnings_off
 from .definite import definiteness
 from .energy import energy, symmetry, taylor
 from .file import Source, source_of, sources
 from .findings import SelfCheckReport
+from .interface_law import check_interface_law
 from .kernels import kernels
 from .manufactured import manufactured
 from dolfinx_impact.own_forms.own_form import made
@@ -78,14 +80,15 @@ def self_check(
 
     Args:
         form: function of a mesh that returns `verify.OwnForm` or residual and unknown; a UFL residual, energy or
-            bilinear form without functions that vary; a material; or the path of a file.
+            bilinear form without functions that vary; a material; a law of the interface; or the path of a file.
         name: name in a file; None: everything there that can be checked. Of other forms, how findings call it.
         cells: cells to check on; None: quadrilaterals and triangles, those that a file names in `cells`, or those of
             the form's own mesh.
         checks: names of checks, a part of selfcheck.run.CHECKS; None: all.
         report: report to add to; None makes a new one.
         progress: show a progress bar.
-        options: for forms of UFL: arguments of `verify.OwnForm` (u, energy, parameters, grounded, ...).
+        options: for forms of UFL: arguments of `verify.OwnForm` (u, energy, parameters, grounded, ...); for laws of the
+            interface `length`, `velocity` and `isotropic` of selfcheck.interface_law.check_interface_law.
 
     Returns:
         Report with `rows` (check, what was found, tolerance, sentence) and `passed`.
@@ -96,6 +99,9 @@ def self_check(
         FileNotFoundError: no such file.
     """
     report = SelfCheckReport() if report is None else report
+    if isinstance(form, InterfaceLaw):
+        check_interface_law(report, form, name or form.name, **options)
+        return report
     for check in checks or ():
         if check not in CHECKS:
             raise ValueError(f"check {check!r} is unknown: use {', '.join(CHECKS)}")

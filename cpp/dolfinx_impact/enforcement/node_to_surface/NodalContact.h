@@ -90,6 +90,16 @@ public:
     return 0.0;
   }
 
+  /// Upper bound of the damping over the mass that the contact adds, wherever the bodies meet. Collective [1/T].
+  /// @param[in] mass of owned nodes of the space [M]
+  virtual double added_damping_rate(std::span<const double> mass) const
+  {
+    (void)mass;
+    return 0.0;
+  }
+  /// Points of this rank whose local equations were not solved in the last step.
+  virtual std::int64_t num_unsolved() const { return 0; }
+
   virtual ContactEnergy energy() const = 0;
   /// The node of this rank that passed through farthest, since construction or since the last `resume`.
   virtual Passage passage() const = 0;

@@ -85,6 +85,14 @@ double NodalPair::spring_frequency(std::span<const double> mass) const
   return std::sqrt(square);
 }
 
+double NodalPair::damping_rate(std::span<const double> mass) const
+{
+  double rate = 0.0;
+  for (const auto& direction : _directions)
+    rate += direction->added_damping_rate(mass);
+  return rate;
+}
+
 NodalPair balanced_penalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets& master,
                            NodePenaltyOptions options)
 {

@@ -41,6 +41,9 @@ public:
   /// [1/T].
   /// @param[in] mass of owned nodes of the space [M]
   double spring_frequency(std::span<const double> mass) const;
+  /// Upper bound of the damping over the mass that contact adds. Collective [1/T].
+  /// @param[in] mass of owned nodes of the space [M]
+  double damping_rate(std::span<const double> mass) const;
 
 private:
   std::vector<std::shared_ptr<NodalContact>> _directions;

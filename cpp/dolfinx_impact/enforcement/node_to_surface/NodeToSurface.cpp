@@ -219,6 +219,38 @@ std::optional<std::int64_t> NodeToSurface::too_deep(std::span<const double> u) c
   return deep;
 }
 
+double NodeToSurface::per_mass(double per_area, std::span<const double> mass) const
+{
+  // Largest area, and largest ratio of an area plus another one to the mass, of a surface's nodes on all ranks.
+  struct Side
+  {
+    std::vector<double> areas, masses;
+  };
+  const auto largest = [this](const Side& side, double more)
+  {
+    double found = 0.0;
+    for (std::size_t i = 0; i < side.areas.size(); ++i)
+      found = std::max(found, (side.areas[i] + more) / side.masses[i]);
+    return common::largest(_candidates.comm(), found);
+  };
+  Side slave{_candidates.areas(), {}}, master;
+  for (const std::int32_t node : _candidates.nodes())
+    slave.masses.push_back(mass[node]);
+  const double own = largest(slave, 0.0);
+  if (_rigid)
+    return per_area * own;
+  for (std::size_t node = 0; node < _candidates.master_areas().size(); ++node)
+    if (const double area = _candidates.master_areas()[node]; area > 0.0)
+    {
+      master.areas.push_back(area);
+      master.masses.push_back(mass[node]);
+    }
+  // Largest sum of the absolute values of a facet's shape functions.
+  const double phi = _candidates.slave().displacement.degree == 1 ? 1.0 : _gdim == 2 ? 1.25 : 5.0 / 3.0;
+  const double area = common::largest(_candidates.comm(), slave.areas.empty() ? 0.0 : std::ranges::max(slave.areas));
+  return per_area * (own + phi * largest(master, area));
+}
+
 // --- contact detection
 
 search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du, double back) const

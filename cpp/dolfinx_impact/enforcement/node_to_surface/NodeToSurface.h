@@ -120,6 +120,11 @@ protected:
   void open(std::size_t i, const search::Projection& at, const double* u);
   /// Projection of node i on the rigid master in the configuration u - back*du.
   search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
+  /// Upper bound of what forces per motion and area, at slave nodes wherever they meet the master, are over the masses of
+  /// the nodes that they act on. Collective.
+  /// @param[in] per_area force per motion and area
+  /// @param[in] mass of owned nodes of the space [M]
+  double per_mass(double per_area, std::span<const double> mass) const;
   /// True if contact forces need a moment correction (deformable master, not axisymmetric).
   bool corrects_moments() const { return !_rigid && !_options.axisymmetric; }
   std::size_t num_nodes() const { return _closed.size(); }

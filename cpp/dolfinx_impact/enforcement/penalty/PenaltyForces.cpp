@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "PenaltyForces.h"
 #include "../../common/dolfinx_api.h"
+#include "../../operators/nodal_sums.h"
 #include "../../operators/petsc_check.h"
 #include <dolfinx/la/Vector.h>
 #include <functional>
@@ -16,6 +17,8 @@ PenaltyForces::PenaltyForces(Setup setup, std::unique_ptr<search::PairSearch> se
 {
   history = make_history(_points);
   const std::size_t num = _points.size(), size = num * _points.gdim;
+  if (setup.law)
+    _law.emplace(std::move(setup.law), num);
   _state = {std::vector<ContactStatus>(num, ContactStatus::open), std::vector<double>(num), std::vector<double>(size),
             std::vector<double>(size), std::vector<double>(size)};
 }
@@ -39,7 +42,7 @@ std::shared_ptr<const dolfinx::common::IndexMap> PenaltyForces::map() const
 
 PenaltyPair PenaltyForces::pair() const
 {
-  return {_points, slave(), master(), parameters, history, _increment, _rigid_increment};
+  return {_points, slave(), master(), parameters, history, _increment, _rigid_increment, law()};
 }
 
 void PenaltyForces::update_gap(std::span<const double> u, std::span<const double> start, bool stay)
@@ -79,7 +82,45 @@ void PenaltyForces::evaluate(std::span<const double> increment, const std::array
 
 void PenaltyForces::evaluate()
 {
+  if (_law)
+    evaluate_law();
   _state = enforcement::evaluate(pair());
+}
+
+void PenaltyForces::resume_law()
+{
+  _law->resume();
+  _state = enforcement::evaluate(pair());
+}
+
+/// Bring the points of the law to the present state. Collective where it has fields.
+void PenaltyForces::evaluate_law()
+{
+  const std::vector<double> increments = relative_increments(pair());
+  const auto nodes = map();
+  LawPoints::Fields on_slave, on_master;
+  double shape[surface::FacetElement::max_nodes];
+  for (const InterfaceField& field : _law->law().fields())
+  {
+    const auto given = field.function->x()->array();
+    std::vector<double> values(nodes->size_local() + nodes->num_ghosts(), 0.0);
+    std::copy_n(given.begin(), std::min(given.size(), std::size_t(nodes->size_local())), values.begin());
+    values = operators::from_owners(nodes, std::move(values), 1);
+    on_slave.emplace_back(_points.size(), 0.0);
+    on_master.emplace_back(_points.size(), 0.0);
+    for (std::size_t q = 0; q < _points.size(); ++q)
+    {
+      slave().displacement.values(_points.xi.data() + 2 * q, shape);
+      for (int i = 0; i < slave().displacement.num_nodes(); ++i)
+        on_slave.back()[q] += shape[i] * values[slave().nodes_of(_points.facet[q])[i]];
+      if (!master() || _points.master[q] < 0)
+        continue;
+      master()->displacement.values(_points.master_xi.data() + 2 * q, shape);
+      for (int i = 0; i < master()->displacement.num_nodes(); ++i)
+        on_master.back()[q] += shape[i] * values[master()->nodes_of(_points.master[q])[i]];
+    }
+  }
+  _law->evaluate(_points, {history.offset, history.slip, increments}, on_slave, on_master);
 }
 
 /// Forces of a state on both bodies, owned entries.

@@ -2,8 +2,10 @@
 #pragma once
 #include "../../operators/NodalMatrix.h"
 #include "../../search/closest_point/PairSearch.h"
+#include "LawPoints.h"
 #include "penalty.h"
 #include <memory>
+#include <optional>
 #include <petscvec.h>
 
 namespace dolfinx_impact::enforcement
@@ -20,6 +22,7 @@ public:
     surface::Facets slave;                           ///< this rank's facets (make_surface)
     std::span<const double> points, weights;         ///< rule on the slave's reference facet
     bool axisymmetric = false;                       ///< x is the radius
+    std::shared_ptr<const InterfaceLaw> law = nullptr; ///< in the place of the penalties; null: none
   };
 
   /// A deformable master. Collective.
@@ -40,6 +43,8 @@ public:
   void evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment = {});
   /// Evaluate again, with another PenaltyParameters::touch.
   void evaluate();
+  /// The tractions of a law of the interface are those of the last converged state.
+  void resume_law();
 
   /// Subtract the contact forces from a residual, whose entries are those of V's owned nodes. Collective.
   void add_residual(Vec b) const;
@@ -55,6 +60,9 @@ public:
   /// The state is that of the last converged step from now on.
   void accept_step() { advance(_state, history); }
 
+  /// Points of a law of the interface; null: there is none.
+  LawPoints* law() { return _law ? &*_law : nullptr; }
+  const LawPoints* law() const { return _law ? &*_law : nullptr; }
   gap::Points& points() { return _points; }
   const gap::Points& points() const { return _points; }
   const PenaltyState& state() const { return _state; }
@@ -74,12 +82,14 @@ private:
   PenaltyForces(Setup setup, std::unique_ptr<search::PairSearch> search, std::shared_ptr<const gap::Rigid> rigid);
   PenaltyPair pair() const;
   std::vector<double> nodal_forces(const PenaltyState& state) const;
+  void evaluate_law();
 
   std::shared_ptr<const surface::FunctionSpace> _space;
   surface::Facets _slave; ///< moved with u where the master is rigid
   std::shared_ptr<const gap::Rigid> _rigid;
   std::unique_ptr<search::PairSearch> _search;
   gap::Points _points;
+  std::optional<LawPoints> _law;
   PenaltyState _state;
   std::vector<double> _increment; ///< by nodes of the map
   std::array<double, 3> _rigid_increment{};

@@ -74,6 +74,8 @@ const PenaltyOptions& checked(const PenaltyOptions& o)
 {
   if (o.penalty < 0.0 || o.tangential < 0.0 || o.friction < 0.0 || !(o.tolerance > 0.0) || o.max_augmentations < 1)
     throw std::invalid_argument("penalties and friction are not negative, a tolerance and max_augmentations positive");
+  if (o.law && (o.penalty > 0.0 || o.tangential > 0.0 || o.friction > 0.0 || o.augmented))
+    throw std::invalid_argument("a law of the interface stands in the place of penalties, friction and augmentation");
   return o;
 }
 } // namespace
@@ -88,9 +90,10 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
       _rule(surface::quadrature(_slave.displacement.shape, _options.quadrature_degree > 0
                                                                ? _options.quadrature_degree
                                                                : 2 * _slave.displacement.degree + 2)),
-      _forces(_rigid ? PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric}, _rigid)
-                     : PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric}, *_master,
-                                     _options.search_distance)),
+      _forces(_rigid ? PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric, _options.law},
+                                     _rigid)
+                     : PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric, _options.law},
+                                     *_master, _options.search_distance)),
       _uzawa(_space->dofmap()->index_map, _slave, _rule), _penalty(_options.penalty), _tangential(_options.tangential)
 {
   const auto map = _space->dofmap()->index_map;
@@ -150,6 +153,13 @@ void QuadraturePenalty::check_parameters()
     check_penalty(_name, _options.penalty, automatic());
 }
 
+void QuadraturePenalty::check_without_time() const
+{
+  if (_options.law && _options.law->has_rates())
+    throw std::invalid_argument(_name + ": the law of the interface depends on rates of gap or slip, and a static "
+                                        "problem has no time: use a NewmarkProblem or an ExplicitProblem");
+}
+
 std::optional<std::array<double, 3>> QuadraturePenalty::displacement() const
 {
   return _rigid ? std::optional(_displacement) : std::nullopt;
@@ -175,6 +185,8 @@ state::State QuadraturePenalty::state()
   out.add("traction", Place::facet, h.traction, per_facet * gdim);
   out.add("slip", Place::facet, h.slip, per_facet * gdim);
   out.add("touched", Place::facet, _touched, per_facet);
+  if (LawPoints* law = _forces.law())
+    law->add_to(out, per_facet);
   out.add("corners", Place::node, state::View(std::span(_uzawa.multiplier).first(num_owned)));
   out.add("start", Place::node, state::View(std::span(_start).first(num_owned * gdim)), gdim);
   out.add("start_displacement", Place::all, state::View(std::span<double>(_start_displacement)), 3);
@@ -185,6 +197,8 @@ state::State QuadraturePenalty::state()
 void QuadraturePenalty::begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                                    std::span<const double>)
 {
+  if (_options.law)
+    _penalty = _tangential = 1.0; // not used, but to be positive
   if (_penalty == 0.0)
   {
     _penalty = automatic();
@@ -208,6 +222,13 @@ void QuadraturePenalty::begin_step(std::span<const double> u, const std::optiona
     for (std::size_t q = 0; q < now.size(); ++q)
       _forces.history.gap[q] = _touched[q] || now[q] <= touch * _size ? 0.0 : now[q];
   }
+  if (LawPoints* law = _forces.law(); law && !law->has_begun())
+  {
+    // The traction that the law has where the first increment begins.
+    locate(_start);
+    _forces.evaluate(std::vector<double>(_start.size(), 0.0), {});
+    law->begin();
+  }
   if (displacement)
   {
     _start_displacement = _displacement;
@@ -222,7 +243,24 @@ void QuadraturePenalty::accept_step()
   std::transform(now.begin(), now.end(), _touched.begin(), [](ContactStatus s) { return s != ContactStatus::open; });
   _gap_before = facing_gap();
   const std::vector<double> tractions = traction(), part = covered();
-  _totals.update(comm(), {at().gdim, at().x, tractions, _forces.state().slip, now, at().weight, part});
+  LawPoints* law = _forces.law();
+  // A law tells itself what it dissipates: tractions times slip are not that.
+  const std::vector<double> slips = law ? std::vector<double>(tractions.size(), 0.0) : _forces.state().slip;
+  _totals.update(comm(), {at().gdim, at().x, tractions, slips, now, at().weight, part});
+  if (law)
+    _totals.dissipated += sum_over_ranks(law->accept(at().weight));
+}
+
+void QuadraturePenalty::set_time_step(double dt)
+{
+  if (LawPoints* law = _forces.law())
+    law->time_step = dt;
+}
+
+/// Pressure per penetration that the contact has [F/L^3]. Not collective.
+double QuadraturePenalty::stiffness() const
+{
+  return _forces.law() ? _forces.law()->largest_stiffness() : _penalty;
 }
 
 bool QuadraturePenalty::augment()
@@ -281,7 +319,8 @@ bool QuadraturePenalty::leave_facets()
   {
     if (_forces.state().status[i / at().gdim] != ContactStatus::open)
       change = std::max(change, std::abs(closest[i] - closest_before[i]));
-    change = std::max(change, std::abs(traction_now[i] - traction_before[i]) / _penalty);
+    if (const double per_length = stiffness(); per_length > 0.0)
+      change = std::max(change, std::abs(traction_now[i] - traction_before[i]) / per_length);
   }
   MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_DOUBLE, MPI_MAX, comm());
   return change > still * _size;
@@ -364,6 +403,8 @@ state::State QuadraturePenalty::saved_state()
   out.add_own("penalties", Place::all, std::vector<double>{_penalty, _tangential});
   if (_options.augmented)
     out.add_copies(now, corners);
+  if (const LawPoints* law = _forces.law())
+    out.add_copies(now, law->names());
   return out;
 }
 
@@ -388,10 +429,12 @@ void QuadraturePenalty::resume(const state::State& saved, std::span<const double
     _keeper->begin(_forces.points().margin, FacetKeeper::widest);
     update_gap(u);
   }
+  if (_forces.law()) // the increment and the rates that the tractions were made with are over
+    _forces.resume_law();
   // A point that has slipped is on the edge of its friction limit, where the evaluation alone says that it sticks.
   _resumed_status = _last_status = std::move(status);
   _gap_before = facing_gap();
-  _totals.resume(saved, slip());
+  _totals.resume(saved, _forces.law() ? std::vector<double>(at().normal.size(), 0.0) : slip());
 }
 
 /// Facet of the master that each point is on, by a number that does not depend on the ranks; -1: none.
@@ -456,13 +499,20 @@ int QuadraturePenalty::update_active_set(bool, std::optional<std::int64_t>)
   if (_keeper)
     changed += _keeper->watch(facets, _forces.search()->kept(), _forces.points().margin);
   _last_status = now;
-  MPI_Allreduce(MPI_IN_PLACE, &changed, 1, MPI_INT, MPI_SUM, comm());
-  return changed;
+  std::array<int, 2> sums{changed, _forces.law() ? int(_forces.law()->num_unsolved()) : 0};
+  MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT, MPI_SUM, comm());
+  if (_forces.law())
+    _fault = sums[1] == 0 ? ""
+                          : _name + ": the local equations of the law of the interface were not solved at " +
+                                std::to_string(sums[1]) + " points: take smaller increments";
+  return sums[0];
 }
 
 bool QuadraturePenalty::symmetric() const
 {
   const std::vector<ContactStatus> now = status();
+  if (_options.law)
+    return !_options.law->has_shear();
   return sum_over_ranks(has_friction() && std::ranges::count(now, ContactStatus::slip) > 0) == 0.0;
 }
 
@@ -486,8 +536,8 @@ double QuadraturePenalty::round_off() const
     for (int c = 0; c < gdim; ++c)
       squared += at().x[q * gdim + c] * at().x[q * gdim + c];
     const double rounding = std::numeric_limits<double>::epsilon() * std::sqrt(squared);
-    if (now[q] <= rounding)
-      sum += std::pow(_penalty * at().weight[q] * rounding, 2);
+    if (_forces.law() ? _forces.law()->acts(q) : now[q] <= rounding)
+      sum += std::pow(stiffness() * at().weight[q] * rounding, 2);
   }
   return std::sqrt(sum_over_ranks(sum));
 }
@@ -573,7 +623,7 @@ std::vector<double> QuadraturePenalty::rigid_body_products(const operators::Rigi
 bool QuadraturePenalty::close_nearest()
 {
   const std::optional<double> near = gap::nearly_touching(comm(), gap(), point_sizes(_slave, at()));
-  if (!near || num_active() > 0)
+  if (!near || num_active() > 0 || _options.law)
     return false;
   _forces.parameters.touch = *near * _penalty;
   _forces.evaluate();
@@ -630,6 +680,8 @@ std::vector<double> QuadraturePenalty::traction() const
 
 double QuadraturePenalty::stored_energy() const
 {
+  if (const LawPoints* law = _forces.law())
+    return sum_over_ranks(law->energy(at().weight));
   if (_penalty == 0.0 || _tangential == 0.0)
     return 0.0;
   const std::vector<double> pressures = pressure(), tractions = traction(), normals = normal(), weights = weight();

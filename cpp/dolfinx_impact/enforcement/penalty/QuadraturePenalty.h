@@ -25,6 +25,8 @@ struct PenaltyOptions
   double search_distance = 0.0;    ///< see search::PairSearch [L]
   bool remove_penetration = false; ///< gaps count from the penetrations of the reference configuration
   bool axisymmetric = false;       ///< x is the radius
+  /// A law of the interface in the place of penalties and friction; null: none.
+  std::shared_ptr<const InterfaceLaw> law = nullptr;
 };
 
 /// Penalty contact of one pair in increments, docs/contact.md. Its points are the quadrature points of this rank's
@@ -53,6 +55,7 @@ public:
   const std::string& name() const override { return _name; }
   std::string fault() const override { return _fault; }
   void check_parameters() override;
+  void check_without_time() const override;
   void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                   std::span<const double> target = {}) override;
   std::optional<std::array<double, 3>> displacement() const override;
@@ -68,7 +71,9 @@ public:
   void update_nodal_stiffness(Mat) override {}
   Mat tangent() override { return _forces.tangent(_convex); }
   void set_convex(bool convex) override { _convex = convex; }
-  bool has_friction() const override { return _options.friction > 0.0; }
+  bool has_friction() const override { return _options.friction > 0.0 || (_options.law && _options.law->has_shear()); }
+  bool needs_line_search() const override { return _options.law != nullptr; }
+  void set_time_step(double dt) override;
   bool symmetric() const override;
   std::int64_t num_active() const override;
   double round_off() const override;
@@ -123,6 +128,7 @@ private:
   const gap::Points& at() const { return _forces.points(); }
   double sum_over_ranks(double value) const;
   double automatic() const;
+  double stiffness() const;
   void locate(std::span<const double> u);
   std::vector<std::int64_t> facet_ids() const;
   void keep_facets(std::span<const std::int64_t> ids);

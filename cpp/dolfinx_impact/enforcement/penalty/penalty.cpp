@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "penalty.h"
 #include "../friction.h"
+#include "LawPoints.h"
 #include "variation.h"
 #include <algorithm>
 #include <cmath>
@@ -86,7 +87,7 @@ void traction_derivative(const PenaltyPair& pair, const PenaltyState& state, std
   for (int c = 0; c < gdim; ++c)
     for (int j = 0; j < num; ++j)
       dz[c * num + j] = dp[j] * n[c] + state.pressure[q] * v.d_normal[c * num + j];
-  if (!(pair.parameters.friction > 0.0))
+  if (!pair.law && !(pair.parameters.friction > 0.0))
     return;
   double increment[3], d_increment[3 * Variation::max_num] = {};
   relative_increment(pair, q, increment);
@@ -100,6 +101,8 @@ void traction_derivative(const PenaltyPair& pair, const PenaltyState& state, std
       for (int j = 0; j < num; ++j)
         d_increment[c * num + j] -= slope[c] * v.d_xi[r * num + j];
   }
+  if (pair.law)
+    return pair.law->traction_derivative(q, v, n, increment, d_increment, dz);
   double slope;
   const double part = counted_part(pair, state.pressure[q], q, slope);
   for (int c = 0; c < gdim; ++c)
@@ -126,9 +129,10 @@ void add_point(const PenaltyPair& pair, const PenaltyState& state, std::size_t q
   if (convex)
   {
     const double* n = pair.points.normal.data() + q * gdim;
+    const double stiffness = pair.law ? std::max(pair.law->stiffness(q), 0.0) : pair.parameters.normal;
     for (int i = 0; i < num; ++i)
       for (int j = 0; j < num; ++j)
-        B[i * num + j] = i < gdim ? -pair.parameters.normal * n[i] * v.d_gap[j] : 0.0;
+        B[i * num + j] = i < gdim ? -stiffness * n[i] * v.d_gap[j] : 0.0;
   }
   else
   {
@@ -179,7 +183,7 @@ void check(const PenaltyPair& pair)
     throw std::invalid_argument("friction needs a positive tangential penalty");
   std::int32_t last = -1;
   for (const surface::Facets* side : {&pair.slave, pair.master})
-    if (side && pair.parameters.friction > 0.0)
+    if (side && (pair.law || pair.parameters.friction > 0.0))
       for (std::int32_t node : side->nodes)
         last = std::max(last, node);
   if (std::size_t(last + 1) * p.gdim > pair.increment.size())
@@ -206,9 +210,48 @@ PenaltyState stretched(const PenaltyPair& pair, const PenaltyState& state)
   return out;
 }
 
+std::vector<double> relative_increments(const PenaltyPair& pair)
+{
+  check(pair);
+  const std::size_t gdim = pair.points.gdim;
+  std::vector<double> out(pair.points.size() * gdim, 0.0);
+  for (std::size_t q = 0; q < pair.points.size(); ++q)
+    if (std::isfinite(pair.points.gap[q]))
+      relative_increment(pair, q, out.data() + q * gdim);
+  return out;
+}
+
+namespace
+{
+/// The points' state by a law of the interface.
+PenaltyState evaluate_law(const PenaltyPair& pair)
+{
+  const gap::Points& p = pair.points;
+  const int gdim = p.gdim;
+  PenaltyState out{std::vector<ContactStatus>(p.size(), ContactStatus::open), std::vector<double>(p.size(), 0.0),
+                   std::vector<double>(p.size() * gdim, 0.0), std::vector<double>(p.size() * gdim, 0.0),
+                   std::vector<double>(p.size() * gdim, 0.0)};
+  for (std::size_t q = 0; q < p.size(); ++q)
+  {
+    const double* shear = pair.law->shear(q);
+    if (!shear) // beyond the law's reach a point forgets its slip
+      continue;
+    out.status[q] = pair.law->status(q);
+    out.pressure[q] = pair.law->pressure(q);
+    std::copy_n(pair.law->slip(q), gdim, out.slip.data() + q * gdim);
+    std::copy_n(shear, gdim, out.tangential.data() + q * gdim);
+    for (int c = 0; c < gdim; ++c)
+      out.traction[q * gdim + c] = out.pressure[q] * p.normal[q * gdim + c] + shear[c];
+  }
+  return out;
+}
+} // namespace
+
 PenaltyState evaluate(const PenaltyPair& pair)
 {
   check(pair);
+  if (pair.law)
+    return evaluate_law(pair);
   const gap::Points& p = pair.points;
   const int gdim = p.gdim;
   PenaltyState out{std::vector<ContactStatus>(p.size(), ContactStatus::open), std::vector<double>(p.size(), 0.0),

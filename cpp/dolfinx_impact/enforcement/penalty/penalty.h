@@ -41,6 +41,8 @@ struct PenaltyState
   std::vector<double> slip;       ///< the history's slip and this step's [L]
 };
 
+class LawPoints;
+
 /// The pair in its present configuration. All refer to arrays that live elsewhere.
 struct PenaltyPair
 {
@@ -53,6 +55,8 @@ struct PenaltyPair
   /// without friction [L].
   std::span<const double> increment;
   std::array<double, 3> rigid_increment{}; ///< the same of a rigid master [L]
+  /// A law of the interface in the place of the penalties and of friction, as it was evaluated last; null: none.
+  const LawPoints* law = nullptr;
 };
 
 /// Takes a dense block of a matrix: nodes of its rows and columns, as the facets number them, and
@@ -62,7 +66,11 @@ typedef std::function<void(std::span<const std::int32_t> nodes, std::span<const 
 /// @returns history of points that just touched: gaps, tractions and multipliers are zero
 PenaltyHistory make_history(const gap::Points& points);
 
-/// Pressures, tractions, slips and status.
+/// Displacements of slave against master since the last converged state at the points that have a master, [q*gdim + c]
+/// [L].
+std::vector<double> relative_increments(const PenaltyPair& pair);
+
+/// Pressures, tractions, slips and status. Of a law of the interface, whose points have been evaluated, they are its.
 /// @throws std::invalid_argument for arrays of wrong sizes, friction without tangential stiffness
 PenaltyState evaluate(const PenaltyPair& pair);
 

@@ -61,7 +61,10 @@ void ImplicitStepper::enter_contact()
   _equations->u->x()->scatter_fwd();
   const auto& contacts = _equations->contacts;
   for (std::size_t k = 0; k < contacts.size(); ++k)
+  {
+    contacts[k]->set_time_step(0.0);
     contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt);
+  }
   for (const auto& contact : contacts)
   {
     contact->update_gap(u());
@@ -211,7 +214,10 @@ solve::Increment ImplicitStepper::attempt(double step, const TimeValues& values,
   target.x()->scatter_fwd();
   const Scaled scaled(*_excitation, values.factors);
   for (std::size_t k = 0; k < contacts.size(); ++k)
+  {
+    contacts[k]->set_time_step(step);
     contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt, goal);
+  }
   const std::vector<double> guess = motion.predictor();
   _body->begin_step(std::move(motion));
   if (contacts.empty()) // bodies that may touch begin where they are: contact is searched for from there

@@ -63,9 +63,9 @@ class NodalPair(ContactOutput):
     Args:
         pair: the pair of surfaces.
         problem: the problem.
-        law: C++ class of the contact, NodePenalty or KinematicContact.
+        cpp_class: C++ class of the contact, NodePenalty, NodeLaw or KinematicContact.
         by_step: springs without a given penalty follow from masses and time step instead of the bodies' stiffness.
-        options: kept as `parameters`, those of the C++ class.
+        options: kept as `parameters`, those of the C++ class; `law` of NodeLaw is an InterfaceLaw.
 
     Attributes:
         nodes: owned slave nodes, (n).
@@ -104,7 +104,7 @@ class NodalPair(ContactOutput):
         self,
         pair: ContactPair,
         problem: ExplicitContactProblem,
-        law: type[_cpp.nodal.NodePenalty] | type[_cpp.nodal.KinematicContact],
+        cpp_class: type[_cpp.nodal.NodePenalty] | type[_cpp.nodal.NodeLaw] | type[_cpp.nodal.KinematicContact],
         by_step: bool = False,
         **options: Any,
     ) -> None:
@@ -124,11 +124,14 @@ class NodalPair(ContactOutput):
             self.obstacle.displacement = list(map(float, pair.rigid_master.displacement))
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
             _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
-        self._law, self.parameters = law, options
+        self._class, self.parameters = cpp_class, options
         met = master or self.obstacle
         assert met is not None  # one of the two
         self._surfaces = slave, met
-        by_class = options if law is _cpp.nodal.KinematicContact else {**options, "by_step": by_step}
+        by_class = {**options, "by_step": by_step} if cpp_class is _cpp.nodal.NodePenalty else dict(options)
+        if cpp_class is _cpp.nodal.NodeLaw:
+            by_class["law"] = options["law"].in_cpp(V)
+            self.parameters = {**options, "law": repr(options["law"])}
         self._cpp_object = self._make(**by_class)
         self._sides = self._cpp_object.directions
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
@@ -150,6 +153,8 @@ class NodalPair(ContactOutput):
 
     @property
     def kind(self) -> str:
+        if self._class is _cpp.nodal.NodeLaw:
+            return "NodeLaw"
         return "KinematicContact" if self.kinematic else "PenaltyContact"
 
     def facets(self) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | _cpp.gap.Rigid]:
@@ -167,7 +172,7 @@ class NodalPair(ContactOutput):
         if balanced:
             assert isinstance(master, _cpp.surface.Facets)  # rigid masters were refused
             return _cpp.nodal.balanced_penalty(self.V._cpp_object, slave, master, **options)
-        return _cpp.nodal.NodalPair([self._law(self.V._cpp_object, slave, master, **options)])
+        return _cpp.nodal.NodalPair([self._class(self.V._cpp_object, slave, master, **options)])
 
     @property
     def penalty(self) -> float:
@@ -176,7 +181,7 @@ class NodalPair(ContactOutput):
 
     @property
     def kinematic(self) -> bool:
-        return self._law is _cpp.nodal.KinematicContact
+        return self._class is _cpp.nodal.KinematicContact
 
     def sides(self) -> list[_cpp.nodal.NodeToSurface]:
         return self._sides

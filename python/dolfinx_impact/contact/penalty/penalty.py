@@ -7,6 +7,7 @@ from ... import _cpp
 from ...common.arguments import integer, number
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
+from ...interface import InterfaceLaw
 from ..explicit.nodal import NodalPair
 from ..pair import ContactPair, check_pair, check_quadrature_degree
 from ..protocol import ExplicitContactProblem, StaticContactProblem
@@ -36,6 +37,7 @@ class Penalty(Fixed):
         balanced: whether an explicit problem applies the contact in both directions with half the stiffness each.
         max_augmentations: largest number of augmentations of an increment; each one reduces the penetration by the
             part penalty/(penalty + stiffness per area of the bodies).
+        law: law of the interface in the place of penalty and friction (docs/interface_laws.md); None: none.
 
     Raises:
         TypeError: an argument of a wrong type; on all ranks.
@@ -52,6 +54,7 @@ class Penalty(Fixed):
         quadrature_degree: int | None = None,
         balanced: bool = False,
         max_augmentations: int = 200,
+        law: InterfaceLaw | None = None,
     ) -> None:
         given: dict[str, Any] = dict(
             penalty=penalty,
@@ -60,6 +63,7 @@ class Penalty(Fixed):
             tolerance=tolerance,
             balanced=bool(balanced),
             max_augmentations=max_augmentations,
+            law=law,
         )
         with guard(comm_of(pair), "Penalty", pair=pair, quadrature_degree=quadrature_degree, **given):
             check_pair(pair)
@@ -74,10 +78,15 @@ class Penalty(Fixed):
                     "round-off of positions; take a larger one"
                 )
             self.max_augmentations = integer("max_augmentations", max_augmentations, 1)
+            if law is not None:
+                _check_law(law, pair, penalty != "auto" or tangential is not None or augmented or balanced)
+        self.law = law
         self.pair, self.augmented, self.balanced = pair, bool(augmented), bool(balanced)
         self.by_step = rule == "step"
 
     def __repr__(self) -> str:
+        if self.law is not None:
+            return f"Penalty({self.pair!r}, law={self.law!r})"
         options = [f"penalty={self.penalty or ('step' if self.by_step else 'auto')!r}"]
         if self.tangential is not None:
             options.append(f"tangential={self.tangential}")
@@ -91,9 +100,11 @@ class Penalty(Fixed):
     def _bind_explicit(self, problem: ExplicitContactProblem) -> NodalPair:
         if self.augmented or self.tangential is not None or self.quadrature_degree is not None:
             raise ValueError("tangential, augmented and quadrature_degree are options of static penalty contact")
-        law = _cpp.nodal.NodePenalty
+        if self.law is not None:
+            return NodalPair(self.pair, problem, _cpp.nodal.NodeLaw, law=self.law)
         penalty = self.penalty or 0.0
-        return NodalPair(self.pair, problem, law, self.by_step, penalty=penalty, balanced=self.balanced)
+        by_class = _cpp.nodal.NodePenalty
+        return NodalPair(self.pair, problem, by_class, self.by_step, penalty=penalty, balanced=self.balanced)
 
     def _bind(self, problem: StaticContactProblem) -> QuadraturePenalty:
         if self.balanced:
@@ -109,4 +120,17 @@ class Penalty(Fixed):
             tolerance=self.tolerance,
             quadrature_degree=self.quadrature_degree,
             max_augmentations=self.max_augmentations,
+            law=self.law,
+        )
+
+
+def _check_law(law: InterfaceLaw, pair: ContactPair, others: bool) -> None:
+    """Refuse a law of the interface beside what it stands in the place of."""
+    if not isinstance(law, InterfaceLaw):
+        raise TypeError(f"law must be an InterfaceLaw, found {type(law).__name__}")
+    if others:
+        raise ValueError("a law of the interface stands in the place of penalty, tangential, augmented and balanced")
+    if pair.friction > 0.0:
+        raise ValueError(
+            f"{pair.name} has the friction {pair.friction:g}, and the law of the interface has its own: give it there"
         )

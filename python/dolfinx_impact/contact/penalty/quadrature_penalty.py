@@ -39,9 +39,13 @@ class QuadraturePenalty(StaticContactView):
         if self.obstacle is not None:
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
         parameters = _cpp.penalty.PenaltyOptions()
+        law = options.pop("law", None)
         for name, value in options.items():
             if value is not None:
                 setattr(parameters, name, value)
+        if law is not None:
+            self.options = {**options, "law": repr(law)}
+            parameters.law = law.in_cpp(V)
         parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
         parameters.search_distance, parameters.remove_penetration = pair.search_distance or 0.0, pair.remove_penetration
         owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever

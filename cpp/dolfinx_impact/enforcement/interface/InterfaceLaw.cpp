@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: MIT
+#include "InterfaceLaw.h"
+#include "../../kernels/KernelTable.h"
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+
+namespace dolfinx_impact::enforcement
+{
+namespace
+{
+const std::string by = "derivative by ", of_history = "history ";
+
+bool ends_with(const std::string& name, const std::string& end)
+{
+  return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+}
+
+/// The first entry of an aligned array inside a vector that has room for it.
+double* aligned(std::vector<double>& memory, std::size_t& begin, std::size_t size)
+{
+  constexpr std::size_t line = 64 / sizeof(double);
+  const std::size_t past = (reinterpret_cast<std::uintptr_t>(memory.data() + begin) / sizeof(double)) % line;
+  double* out = memory.data() + begin + (past ? line - past : 0);
+  begin = std::size_t(out - memory.data()) + size;
+  return out;
+}
+} // namespace
+
+InterfaceLaw::InterfaceLaw(const impact_kernel* kernel, int gdim,
+                           const std::vector<std::pair<std::string, double>>& constants,
+                           std::vector<InterfaceField> fields, const std::vector<std::string>& tangential, double reach)
+    : _kernel(kernel), _gdim(gdim), _reach(reach), _fields(std::move(fields))
+{
+  if (!kernel || kernel->rank != 0 || kernel->num_points != 1 || (gdim != 2 && gdim != 3))
+    throw std::invalid_argument("a law of the interface is a kernel with one point, in two or three dimensions");
+  if (!(reach > 0.0))
+    throw std::invalid_argument("the reach of a law of the interface is positive");
+  _lanes = kernels::width(*kernel);
+  _tabulate = kernels::tabulate(*kernel, _lanes);
+  _constants.assign(kernel->size_c, std::nan(""));
+  for (const auto& [name, value] : constants)
+    for (int k = 0; k < kernel->num_constants; ++k)
+      if (kernel->constants[k].name == name)
+        _constants[kernel->constants[k].offset] = value;
+  for (int k = 0; k < kernel->num_constants; ++k)
+    if (std::isnan(_constants[kernel->constants[k].offset]))
+      throw std::invalid_argument(std::string("the law of the interface needs the parameter ") +
+                                  kernel->constants[k].name);
+  for (int k = 0; k < kernel->num_outputs; ++k)
+    if (const impact_output& o = kernel->outputs[k]; o.coefficient >= 0)
+    {
+      const bool turns = std::ranges::count(tangential, o.name) > 0;
+      if (turns && o.num_components != gdim)
+        throw std::invalid_argument(std::string("the internal variable ") + o.name + " is no vector along the surface");
+      _variables.push_back({int(_history.variables.size()), o.num_components, o.offset});
+      _history.variables.push_back({o.name, o.num_components, turns, {}, {}, {}});
+    }
+  for (int k = 0; k < kernel->num_coefficients; ++k)
+    _inputs.push_back(input(kernel->coefficients[k]));
+  for (const Input& i : _inputs)
+    _has_rates |= i.source == Source::gap_rate || i.source == Source::slip_rate;
+  for (int k = 0; k < kernel->num_outputs; ++k)
+  {
+    const impact_output& o = kernel->outputs[k];
+    const std::string name = o.name;
+    for (auto [wanted, offset] : {std::pair("pressure", &_pressure), std::pair("shear", &_shear),
+                                  std::pair("energy", &_energy), std::pair("shear_energy", &_shear_energy),
+                                  std::pair("sticks", &_sticks)})
+      if (o.coefficient < 0 && name == wanted)
+        *offset = o.offset;
+    if (!name.starts_with(by))
+      continue;
+    std::string what = name.substr(by.size());
+    if (what.starts_with(of_history))
+      what = what.substr(of_history.size());
+    const auto found = std::ranges::find_if(
+        _inputs, [&](const Input& i) { return kernel->coefficients[&i - _inputs.data()].name == what; });
+    if (found == _inputs.end() || o.num_components != (1 + gdim) * found->size)
+      throw std::invalid_argument("the law of the interface has a derivative that does not fit: " + name);
+    _derivatives.emplace_back(*found, o.offset);
+    _has_shear |= found->source == Source::slip || found->source == Source::slip_rate ||
+                  (found->source == Source::variable && _history.variables[found->number].tangential);
+  }
+  if (_pressure < 0 || _shear < 0)
+    throw std::invalid_argument("a law of the interface returns a pressure and a shear traction");
+}
+
+InterfaceLaw::Input InterfaceLaw::input(const impact_coefficient& c) const
+{
+  const std::string name = c.name;
+  Input out{Source::gap, 0, c.element.num_dofs, c.offset};
+  for (int k = 0; k < _kernel->num_outputs; ++k)
+    if (const impact_output& o = _kernel->outputs[k];
+        o.coefficient >= 0 && &_kernel->coefficients[o.coefficient] == &c)
+    {
+      const auto same = [&](const InterfaceHistory::Variable& v) { return v.name == o.name; };
+      out.source = Source::variable;
+      out.number = int(std::ranges::find_if(_history.variables, same) - _history.variables.begin());
+      return out;
+    }
+  const std::pair<const char*, Source> scalars[] = {{"gap", Source::gap}, {"gap_rate", Source::gap_rate}};
+  const std::pair<const char*, Source> vectors[] = {
+      {"slip", Source::slip}, {"slip_rate", Source::slip_rate}, {"normal", Source::normal}};
+  for (const auto& [wanted, source] : scalars)
+    if (name == wanted && out.size == 1)
+      return {source, 0, out.size, out.offset};
+  for (const auto& [wanted, source] : vectors)
+    if (name == wanted && out.size == _gdim)
+      return {source, 0, out.size, out.offset};
+  for (std::size_t f = 0; f < _fields.size(); ++f)
+    for (const auto& [end, source] : {std::pair(std::string("_slave"), Source::slave_field),
+                                      std::pair(std::string("_master"), Source::master_field)})
+      if (ends_with(name, end) && name == _fields[f].name + end)
+        return {source, int(f), out.size, out.offset};
+  throw std::invalid_argument("the law of the interface reads " + name + ", which is not known here");
+}
+
+void InterfaceLaw::set_constant(const std::string& name, double value)
+{
+  for (int k = 0; k < _kernel->num_constants; ++k)
+    if (_kernel->constants[k].name == name)
+    {
+      _constants[_kernel->constants[k].offset] = value;
+      return;
+    }
+  throw std::invalid_argument("the law of the interface has no parameter " + name);
+}
+
+InterfaceHistory InterfaceLaw::make_history(std::size_t num_points) const
+{
+  InterfaceHistory out = _history;
+  out.resize(num_points);
+  return out;
+}
+
+InterfacePoints InterfaceLaw::make_points(std::size_t num_points) const
+{
+  InterfacePoints out;
+  out.gdim = _gdim;
+  out.slave_fields.resize(_fields.size());
+  out.master_fields.resize(_fields.size());
+  out.resize(num_points);
+  return out;
+}
+
+const double* InterfaceLaw::values(const Input& input, const InterfacePoints& points,
+                                   const InterfaceHistory& history) const
+{
+  switch (input.source)
+  {
+  case Source::gap:
+    return points.gap.data();
+  case Source::slip:
+    return points.slip.data();
+  case Source::gap_rate:
+    return points.gap_rate.data();
+  case Source::slip_rate:
+    return points.slip_rate.data();
+  case Source::normal:
+    return points.normal.data();
+  case Source::slave_field:
+    return points.slave_fields[input.number].data();
+  case Source::master_field:
+    return points.master_fields[input.number].data();
+  case Source::variable:
+    break;
+  }
+  const InterfaceHistory::Variable& variable = history.variables[input.number];
+  return (variable.tangential ? variable.turned : variable.committed).data();
+}
+
+/// Where the i-th derivative of the kernel goes.
+InterfaceDerivative& InterfaceLaw::derivative(InterfaceTractions& out, std::size_t i) const
+{
+  const Input& input = _derivatives[i].first;
+  switch (input.source)
+  {
+  case Source::gap:
+    return out.by_gap;
+  case Source::slip:
+    return out.by_slip;
+  case Source::gap_rate:
+    return out.by_gap_rate;
+  case Source::slip_rate:
+    return out.by_slip_rate;
+  case Source::normal:
+    return out.by_normal;
+  default:
+    return out.by_history[input.number];
+  }
+}
+
+void InterfaceLaw::evaluate(const InterfacePoints& points, InterfaceHistory& history, InterfaceTractions& out) const
+{
+  const std::size_t num = points.size(), rows = 1 + std::size_t(_gdim), lanes = _lanes;
+  out.pressure.resize(num);
+  out.shear.resize(num * _gdim);
+  out.energy.resize(_energy >= 0 ? num : 0);
+  out.shear_energy.resize(_shear_energy >= 0 ? num : 0);
+  out.sticks.resize(_sticks >= 0 ? num : 0);
+  out.by_history.resize(history.variables.size());
+  for (std::size_t i = 0; i < _derivatives.size(); ++i)
+  {
+    InterfaceDerivative& d = derivative(out, i);
+    d.size = _derivatives[i].first.size;
+    d.values.resize(num * rows * d.size);
+  }
+  out.num_unsolved = 0;
+  // The point's cell is the interval from 0 to 1.
+  thread_local std::vector<double> memory;
+  const std::size_t size_A = _kernel->size_A, size_w = _kernel->size_w;
+  memory.resize(std::max(memory.size(), (size_A + size_w + 6) * lanes + 3 * 8));
+  std::size_t begin = 0;
+  double* A = aligned(memory, begin, size_A * lanes);
+  double* w = aligned(memory, begin, size_w * lanes);
+  double* x = aligned(memory, begin, 6 * lanes);
+  for (std::size_t k = 0; k < 6; ++k)
+    std::fill_n(x + k * lanes, lanes, k == 3 ? 1.0 : 0.0);
+  const auto store = [&](std::size_t first, std::size_t used, int offset, std::size_t size, double* values)
+  {
+    for (std::size_t c = 0; c < size; ++c)
+      for (std::size_t lane = 0; lane < used; ++lane)
+        values[(first + lane) * size + c] = A[(offset + c) * lanes + lane];
+  };
+  for (std::size_t first = 0; first < num; first += lanes)
+  {
+    const std::size_t used = std::min(lanes, num - first);
+    std::fill_n(A, size_A * lanes, 0.0);
+    for (const Input& input : _inputs)
+    {
+      const double* from = values(input, points, history);
+      const std::size_t size = input.size;
+      for (std::size_t lane = 0; lane < lanes; ++lane)
+      {
+        const std::size_t q = first + std::min(lane, used - 1); // lanes that are left over repeat the last point
+        const std::size_t row = input.source == Source::variable ? std::size_t(points.row[q]) : q;
+        for (std::size_t c = 0; c < size; ++c)
+          w[(input.offset + c) * lanes + lane] = from[row * size + c];
+      }
+    }
+    _tabulate(A, w, _constants.data(), x, 0);
+    store(first, used, _pressure, 1, out.pressure.data());
+    store(first, used, _shear, _gdim, out.shear.data());
+    if (_energy >= 0)
+      store(first, used, _energy, 1, out.energy.data());
+    if (_shear_energy >= 0)
+      store(first, used, _shear_energy, 1, out.shear_energy.data());
+    if (_sticks >= 0)
+      store(first, used, _sticks, 1, out.sticks.data());
+    for (std::size_t i = 0; i < _derivatives.size(); ++i)
+    {
+      InterfaceDerivative& d = derivative(out, i);
+      store(first, used, _derivatives[i].second, rows * d.size, d.values.data());
+    }
+    for (const Output& o : _variables)
+      for (std::size_t c = 0; c < std::size_t(o.size); ++c)
+        for (std::size_t lane = 0; lane < used; ++lane)
+          history.variables[o.number].updated[std::size_t(points.row[first + lane]) * o.size + c] =
+              A[(o.offset + c) * lanes + lane];
+    if (_kernel->local_unknowns > 0)
+      for (std::size_t lane = 0; lane < used; ++lane)
+        out.num_unsolved += A[(size_A - 3 - _kernel->local_unknowns) * lanes + lane] > 0.0;
+  }
+}
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: MIT
+"""Laws of the interface in problems, on one rank and on several: equilibrium, energies, restart, what is refused."""
+
+import tempfile
+from pathlib import Path
+
+import dolfinx_impact as di
+import numpy as np
+from blocks import BOTTOM, MASTER, SLAVE, TOP, Blocks
+from dolfinx import fem
+from dolfinx_impact import interface
+from mpi4py import MPI
+
+CASES = {
+    "quadrilateral": ((3, 2), (4, 2)),
+    "triangle": ((3, 2), (4, 2)),
+    "hexahedron": ((2, 2, 2), (3, 3, 1)),
+    "tetrahedron": ((2, 2, 1), (3, 2, 1)),
+}
+
+
+def stiff(dim, nu=0.0):
+    return di.LinearElastic(E=1e7, nu=nu, density=1.0, hypothesis="3d" if dim == 3 else "plane_strain")
+
+
+def sides(blocks):
+    """The lower block's foot is held; the upper block may only move up and down."""
+    bcs = blocks.held(BOTTOM, *range(blocks.dim))
+    for c in range(blocks.dim - 1):
+        dofs = fem.locate_dofs_geometrical(
+            (blocks.V.sub(c), blocks.V.sub(c).collapse()[0]), lambda x: x[blocks.dim - 1] > 1.0 + 5e-4
+        )
+        zero = fem.Function(blocks.V.sub(c).collapse()[0])
+        bcs.append(fem.dirichletbc(zero, dofs, blocks.V.sub(c)))
+    return bcs
+
+
+def check_pressure_of_a_gap():
+    """Uniform pressure on a block: everywhere the gap is that of the law."""
+    p0, c, load = 40.0, 0.02, 5.0
+    for cell, (lower, upper) in CASES.items():
+        for degree in (1, 2) if cell in ("quadrilateral", "tetrahedron") else (1,):
+            blocks = Blocks(cell, lower, upper, gap=0.01, degree=degree)
+            law = di.InterfaceLaw(pressure=lambda gap: p0 * np.e ** (-gap / c))
+            down = np.zeros(blocks.dim)
+            down[-1] = -load
+            problem = di.StaticProblem(
+                blocks.u, stiff(blocks.dim), bcs=sides(blocks), loads=[di.Traction(blocks.tags, TOP, down)],
+                contact=[di.Penalty(blocks.pair(), law=law)],
+            )  # fmt: skip
+            report = problem.solve()
+            contact = problem.contact[0]
+            exact = c * np.log(p0 / load)
+            # The lower block is squeezed sideways at its held foot: the pressure is uniform to what that leaves.
+            assert report.converged and np.allclose(contact.force[-1], load, rtol=1e-9), (cell, contact.force)
+            assert np.all(np.abs(contact.gap - exact) < 1e-6 * exact), (cell, contact.gap, exact)
+            # The work of the pressure counts as stored: of one increment, by the trapezoidal rule.
+            stored = -0.5 * (p0 * np.exp(-0.01 / c) + load) * (exact - 0.01)
+            found = contact.stored_energy()
+            assert abs(contact.dissipated) < 1e-12 * load
+            assert abs(found - stored) < 1e-6 * abs(stored), (found, stored)
+
+
+def check_work_in_small_increments():
+    """The work of a law without an energy converges to the area under its curve, of second order."""
+    p0, c, load = 40.0, 0.02, 5.0
+    errors = []
+    for steps in (4, 8):
+        blocks = Blocks("quadrilateral", (3, 2), (4, 2), gap=0.01)
+        law = di.InterfaceLaw(pressure=lambda gap: p0 * np.e ** (-gap / c))
+        top = fem.Function(blocks.V)
+        problem = di.StaticProblem(
+            blocks.u, stiff(2), bcs=[*sides(blocks), *_moved(blocks, top)], contact=[di.Penalty(blocks.pair(), law=law)]
+        )
+        for k in range(1, steps + 1):
+            top.x.array[1::2] = 0.03 * k / steps
+            problem.solve()
+        gap = problem.contact[0].gap
+        g = blocks.mesh.comm.allreduce(gap.max(initial=-np.inf), MPI.MAX)
+        exact = -c * p0 * (np.exp(-0.01 / c) - np.exp(-g / c))
+        errors.append(abs(problem.contact[0].stored_energy() - exact))
+        assert load > 0
+    assert errors[1] < 0.35 * errors[0] and errors[1] < 0.01 * abs(exact), (errors, exact)
+
+
+def _moved(blocks, values):
+    """The top is moved by a function that a test changes."""
+    dofs = fem.locate_dofs_topological(blocks.V, blocks.dim - 1, blocks.tags.find(TOP))
+    return [fem.dirichletbc(values, dofs)]
+
+
+def bond():
+    return interface.cohesive_zone(1e6, 300.0, 0.2, 400.0, 0.3)
+
+
+def pulled(blocks, law, way=1e-3):
+    """Problem and the function that pulls the top."""
+    top = fem.Function(blocks.V)
+    bcs = [*blocks.held(BOTTOM, *range(blocks.dim)), *_moved(blocks, top)]
+    problem = di.StaticProblem(blocks.u, stiff(blocks.dim), bcs=bcs, contact=[di.Penalty(blocks.pair(), law=law)])
+    return problem, top
+
+
+def check_a_bond_breaks_with_its_energy():
+    """Pulled apart in opening and in shear, the work done and not stored is the energy of fracture times the area."""
+    for component, energy in ((1, 0.2), (0, 0.3)):
+        blocks = Blocks("quadrilateral", (3, 2), (4, 2))
+        problem, top = pulled(blocks, bond())
+        steps = 24
+        work, last = 0.0, np.zeros(2)
+        for k in range(1, steps + 1):
+            top.x.array[:] = 0.0
+            top.x.array[component::2] = 2.4e-3 * k / steps
+            problem.solve()
+            force = problem.contact[0].force
+            work -= 0.5 * (force + last)[component] * 2.4e-3 / steps
+            last = force.copy()
+        contact = problem.contact[0]
+        assert np.allclose(contact.force, 0.0, atol=1e-9)
+        assert np.all(contact.status != di.ContactStatus.stick) and (component == 0 or np.all(contact.status == 0))
+        # The trapezoidal rule of 24 increments over a triangle.
+        assert abs(contact.dissipated - energy) < 0.02 * energy, (contact.dissipated, energy)
+        assert abs(contact.stored_energy()) < 1e-12
+        assert abs(work - energy) < 0.05 * energy, (work, energy)
+
+
+def check_restart_of_static_problems():
+    """A bond that was damaged goes on from a checkpoint as if it had never stopped."""
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = MPI.COMM_WORLD.bcast(Path(folder) / "bond.h5", root=0)
+        for stops in (False, True):
+            blocks = Blocks("quadrilateral", (3, 2), (4, 2))
+            problem, top = pulled(blocks, bond())
+            for k in range(1, 7):
+                top.x.array[:] = 0.0
+                top.x.array[1::2], top.x.array[0::2] = 1e-4 * k, 4e-5 * k
+                problem.solve()
+                if stops and k == 3:
+                    problem.save(path)
+                    force, stored = problem.contact[0].force.copy(), problem.contact[0].stored_energy()
+                    traction = problem.contact[0].traction.copy()
+                    blocks = Blocks("quadrilateral", (3, 2), (4, 2))
+                    problem, top = pulled(blocks, bond())
+                    problem.restore(path)
+                    contact = problem.contact[0]
+                    assert np.array_equal(contact.force, force) and np.allclose(contact.traction, traction, rtol=1e-13)
+                    assert np.isclose(contact.stored_energy(), stored, rtol=1e-13)
+            contact = problem.contact[0]
+            found.append([*contact.force, contact.dissipated, contact.stored_energy()])
+        MPI.COMM_WORLD.barrier()
+    assert found[0][2] > 0.0 and np.allclose(found[0], found[1], rtol=1e-9), found
+
+
+def check_fields_of_both_sides():
+    """A pressure that depends on the temperatures of both sides, static and explicit."""
+    blocks = Blocks("quadrilateral", (3, 2), (4, 2))
+    theta = fem.Function(fem.functionspace(blocks.mesh, ("Lagrange", 1)), name="temperature")
+    theta.interpolate(lambda x: np.where(x[1] > 1.0 + 1e-9, 5.0, 3.0 + 0.0 * x[0]))
+    # Nodes on the common line belong to either block: they are told apart by the cells.
+    upper = np.unique(blocks.V.dofmap.list[_cells_above(blocks)])
+    theta.x.array[:] = 3.0
+    theta.x.array[upper] = 5.0
+    law = di.InterfaceLaw(
+        pressure=lambda fields: fields.temperature_slave + 10.0 * fields.temperature_master,
+        fields={"temperature": theta},
+        reach=0.1,
+    )
+    problem = di.StaticProblem(
+        blocks.u, stiff(2), bcs=[*blocks.held(BOTTOM, 0, 1), *blocks.held(TOP, 0, 1)],
+        contact=[di.Penalty(blocks.pair(), law=law)],
+    )  # fmt: skip
+    problem.solve()
+    assert np.allclose(problem.contact[0].pressure, 35.0, rtol=1e-12)
+    run = di.ExplicitProblem(fem.Function(blocks.V), stiff(2), contact=[di.Penalty(blocks.pair(), law=law)])
+    run.advance(until=1e-6, dt=1e-6, progress=False)
+    assert np.allclose(run.contact[0].pressure[run.contact[0].status > 0], 35.0, rtol=1e-12)
+
+
+def _cells_above(blocks):
+    from dolfinx import mesh
+
+    cells = np.arange(len(blocks.V.dofmap.list), dtype=np.int32)
+    middle = mesh.compute_midpoints(blocks.mesh, blocks.dim, cells)
+    return cells[middle[:, blocks.dim - 1] > 1.0]
+
+
+def bouncing(law, velocity, v0=1.0):
+    """A block of one cell, stiff against the law, that falls on a floor: what it is made of, and the run."""
+    blocks = Blocks("quadrilateral", (1, 1), (2, 2), gap=0.0)
+    floor = di.RigidPlane(point=(0.0, 1.0), normal=(0.0, 1.0))
+    pair = di.ContactPair(blocks.tags, slave=SLAVE, master=floor)
+    v = fem.Function(blocks.V)
+    v.x.array.reshape(-1, 2)[np.unique(blocks.V.dofmap.list[_cells_above(blocks)]), 1] = -v0
+    law_ = di.LinearElastic(E=velocity, nu=0.0, density=1.0, hypothesis="plane_strain")
+    bcs = blocks.held(BOTTOM, 0, 1)
+    run = di.ExplicitProblem(fem.Function(blocks.V), law_, velocity=v, bcs=bcs, contact=[di.Penalty(pair, law=law)])
+    return blocks, run
+
+
+def check_damped_bounce():
+    """A block that bounces off a damped floor leaves with the velocity of the point mass's equation."""
+    from scipy.integrate import solve_ivp
+
+    mass, k, d = 0.5, 50.0, 0.3
+    law = interface.damped_contact(k, d)
+    blocks, run = bouncing(law, 4e4)
+    run.advance(until=0.45, progress=False, energy_limits=None)
+    above = np.unique(blocks.V.dofmap.list[_cells_above(blocks)])
+    owned = above[above < blocks.V.dofmap.index_map.size_local]
+    vertical = run.velocity.x.array.reshape(-1, 2)[owned, 1]
+    # The block's nodes have masses 1 : 2 : 4 from its corners to its middle.
+    momentum = blocks.total([_nodal_mass(blocks, owned) @ vertical])
+
+    def point_mass(t, y):
+        spring = max(-k * y[0], 0.0)
+        return [y[1], spring * max(1.0 - d * y[1], 0.0) / mass]
+
+    exact = solve_ivp(point_mass, (0.0, 0.45), [0.0, -1.0], rtol=1e-10, atol=1e-12).y[1, -1]
+    assert run.contact[0].force[1] == 0.0 and exact > 0.5
+    # The block is 800 times as stiff as the floor: waves in it carry away about the square of the ratio of the times.
+    assert abs(momentum / mass - exact) < 0.01, (momentum / mass, exact)
+    energy = run.energy
+    assert abs(energy["drift"]) < 2e-4 and energy["impact"] > 0.1 * 0.25, energy
+
+
+def _nodal_mass(blocks, nodes):
+    """Lumped masses of nodes of the upper block, of density 1."""
+    from dolfinx import fem as dfem
+    import ufl
+
+    V = dfem.functionspace(blocks.mesh, ("Lagrange", 1))
+    form = dfem.form(ufl.TestFunction(V) * ufl.dx(metadata={"quadrature_rule": "vertex", "quadrature_degree": 1}))
+    b = dfem.assemble_vector(form)
+    from dolfinx import la
+
+    b.scatter_reverse(la.InsertMode.add)
+    b.scatter_forward()
+    return b.array[nodes]
+
+
+def check_restart_of_explicit_runs():
+    """An explicit run with a bond that is pulled apart goes on from a checkpoint to the last bit."""
+    found = []
+    with tempfile.TemporaryDirectory() as folder:
+        path = MPI.COMM_WORLD.bcast(Path(folder) / "run.h5", root=0)
+        for stops in (False, True):
+            run = _thrown_apart()
+            run.advance(until=60 * 2e-5, dt=2e-5, progress=False, energy_limits=None)
+            if stops:
+                run.save(path)
+                run = _thrown_apart()
+                run.restore(path)
+            run.advance(until=180 * 2e-5, dt=2e-5, progress=False, energy_limits=None)
+            found.append((run.u.x.array.copy(), run.energy, run.contact[0].traction.copy()))
+        MPI.COMM_WORLD.barrier()
+    (u, energy, traction), (other, again, back) = found
+    assert np.array_equal(u, other) and np.array_equal(traction, back)
+    assert energy == again and energy["friction"] > 0.0 and abs(energy["drift"]) < 1e-3, energy
+
+
+def _thrown_apart():
+    """Two bonded blocks, the upper one thrown up and sideways."""
+    blocks = Blocks("quadrilateral", (3, 2), (4, 2), narrow=0.1)
+    v = fem.Function(blocks.V)
+    v.x.array.reshape(-1, 2)[np.unique(blocks.V.dofmap.list[_cells_above(blocks)])] = (0.6, 1.5)
+    law = di.LinearElastic(E=1e6, nu=0.2, density=1.0, hypothesis="plane_strain")
+    bonded = interface.cohesive_zone(1e6, 300.0, 0.2, 400.0, 0.3)
+    return di.ExplicitProblem(
+        blocks.u, law, velocity=v, bcs=blocks.held(BOTTOM, 0, 1), contact=[di.Penalty(blocks.pair(), law=bonded)]
+    )
+
+
+def check_implicit_rates():
+    """A damped floor in implicit steps: the same bounce as the explicit run's."""
+    k, d = 50.0, 0.3
+    velocities = []
+    for implicit in (False, True):
+        blocks, run = bouncing(interface.damped_contact(k, d), 4e4)
+        if implicit:
+            v = fem.Function(blocks.V)
+            v.x.array.reshape(-1, 2)[np.unique(blocks.V.dofmap.list[_cells_above(blocks)]), 1] = -1.0
+            floor = di.RigidPlane(point=(0.0, 1.0), normal=(0.0, 1.0))
+            pair = di.ContactPair(blocks.tags, slave=SLAVE, master=floor)
+            law = di.LinearElastic(E=4e4, nu=0.0, density=1.0, hypothesis="plane_strain")
+            run = di.NewmarkProblem(
+                fem.Function(blocks.V), law, velocity=v, bcs=blocks.held(BOTTOM, 0, 1), rho_inf=0.8,
+                contact=[di.Penalty(pair, law=interface.damped_contact(k, d))],
+            )  # fmt: skip
+            run.advance(until=0.45, dt=0.005, progress=False)
+        else:
+            run.advance(until=0.45, progress=False, energy_limits=None)
+        above = np.unique(blocks.V.dofmap.list[_cells_above(blocks)])
+        owned = above[above < blocks.V.dofmap.index_map.size_local]
+        vertical = run.velocity.x.array.reshape(-1, 2)[owned, 1]
+        velocities.append(blocks.total([_nodal_mass(blocks, owned) @ vertical]) / 0.5)
+        if implicit:
+            assert run.contact[0].dissipated > 0.02, run.contact[0].dissipated
+    # Ninety implicit steps over a contact of about half a unit of time.
+    assert abs(velocities[0] - velocities[1]) < 0.02, velocities
+
+
+def check_what_is_refused():
+    """Rates in statics, two sources of friction, two laws in one contact."""
+    blocks = Blocks("quadrilateral", (2, 1), (2, 1))
+    problem = di.StaticProblem(
+        blocks.u, stiff(2), bcs=[*blocks.held(BOTTOM, 0, 1), *blocks.held(TOP, 0, 1)],
+        contact=[di.Penalty(blocks.pair(), law=interface.damped_contact(1.0, 1.0))],
+    )  # fmt: skip
+    for call, kind, message in (
+        (problem.solve, ValueError, "a static problem has no time"),
+        (lambda: di.Penalty(blocks.pair(friction=0.3), law=interface.linear_pressure(1.0)), ValueError, "has its own"),
+        (lambda: di.Penalty(blocks.pair(), 1e3, law=interface.linear_pressure(1.0)), ValueError, "in the place of"),
+        (lambda: di.Penalty(blocks.pair(), law=3), TypeError, "must be an InterfaceLaw"),
+    ):
+        try:
+            call()
+        except kind as e:
+            assert message in str(e), e
+        else:
+            raise AssertionError(message)
+    assert MASTER != SLAVE
