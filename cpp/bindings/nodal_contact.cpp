@@ -279,30 +279,29 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           },
           nb::rv_policy::move)
       .def_prop_ro(
-          "X", [](const GeneralContact& self)
-          { return rows(self.candidates().X(), self.candidates().nodes().size()); }, nb::rv_policy::move)
+          "X", [](const GeneralContact& self) { return rows(self.candidates().X(), self.candidates().nodes().size()); },
+          nb::rv_policy::move)
       .def_prop_ro(
           "areas", [](const GeneralContact& self)
           { return copy(self.candidates().areas(), {self.candidates().nodes().size()}); }, nb::rv_policy::move)
-      .def("normals", [](const GeneralContact& self)
-           { return rows(self.normals(), self.candidates().nodes().size()); })
-      .def("nodal_forces", [](const GeneralContact& self)
-           { return rows(self.nodal_forces(), self.candidates().nodes().size()); }, "Collective")
+      .def("normals", [](const GeneralContact& self) { return rows(self.normals(), self.candidates().nodes().size()); })
       .def(
-          "results",
-          [](const GeneralContact& self)
-          {
-            const GeneralResults& r = self.results();
-            const std::size_t n = r.gap.size();
-            std::vector<std::int8_t> status(n);
-            std::transform(r.status.begin(), r.status.end(), status.begin(),
-                           [](ContactStatus s) { return std::int8_t(s); });
-            Results out;
-            out["status"] = take(std::move(status));
-            out["gap"] = copy(r.gap, {n});
-            out["slip"] = copy(r.slip, {n, std::size_t(self.candidates().gdim())});
-            return out;
-          })
+          "nodal_forces", [](const GeneralContact& self)
+          { return rows(self.nodal_forces(), self.candidates().nodes().size()); }, "Collective")
+      .def("results",
+           [](const GeneralContact& self)
+           {
+             const GeneralResults& r = self.results();
+             const std::size_t n = r.gap.size();
+             std::vector<std::int8_t> status(n);
+             std::transform(r.status.begin(), r.status.end(), status.begin(),
+                            [](ContactStatus s) { return std::int8_t(s); });
+             Results out;
+             out["status"] = take(std::move(status));
+             out["gap"] = copy(r.gap, {n});
+             out["slip"] = copy(r.slip, {n, std::size_t(self.candidates().gdim())});
+             return out;
+           })
       .def_prop_ro("deepest", &GeneralContact::deepest)
       .def_prop_ro("num_springs", &GeneralContact::num_springs, "Springs of nodes, and of crossed edges, on this rank")
       .def_prop_ro("num_candidates", &GeneralContact::num_candidates,

@@ -27,7 +27,18 @@ ROOMS = {"search": (".", "closest_point", "node_tracker", "general")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
 PACKAGES = ("common", "compat", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
 PACKAGES += ("added_mass", "io", "theory")
-PACKAGES += ("interface", "contact", "recording", "statics", "rolling", "dynamics", "own_forms", "compile", "verify", "cli")
+PACKAGES += (
+    "interface",
+    "contact",
+    "recording",
+    "statics",
+    "rolling",
+    "dynamics",
+    "own_forms",
+    "compile",
+    "verify",
+    "cli",
+)
 # Packages beside it, with those of ours that each may import; the library has a door to the first and commands of both.
 BESIDE = {
     "impact_verify": ("dolfinx_impact", "impact_reference"),

@@ -133,8 +133,8 @@ std::string FailedRun::message(double back_at, double stable_step) const
 {
   const std::string back = "the problem is back at the time " + text("%.6g", back_at);
   if (_passed > 0.0 && _pressed)
-    return _contact + ": a node was pressed through the surface that held it back, at the time " +
-           text("%.6g", _time) + ": " + _place + ". It is deeper than the cell behind the surface is high, by the factor " +
+    return _contact + ": a node was pressed through the surface that held it back, at the time " + text("%.6g", _time) +
+           ": " + _place + ". It is deeper than the cell behind the surface is high, by the factor " +
            text("%.3g", _passed) + "; " + back + ". Take finer cells, whose springs are stiffer, or smaller forces";
   if (_passed > 0.0)
     return _contact + ": a slave node went through the master at the time " + text("%.6g", _time) + ": " + _place +

@@ -49,6 +49,6 @@ private:
   double _time, _step, _stable_step;
   double _gain, _gain_limit, _released, _release_limit;
   bool _pressed = false; ///< it was held back, but pressed through by a force
-  double _passed = 0.0; ///< facets by which a slave node passed through the master in one step
+  double _passed = 0.0;  ///< facets by which a slave node passed through the master in one step
 };
 } // namespace dolfinx_impact::problems

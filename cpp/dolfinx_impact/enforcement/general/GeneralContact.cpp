@@ -435,8 +435,8 @@ void GeneralContact::list_edges(const std::vector<double>& x)
         continue;
       if (_body[first.nodes[0]] == _body[second.nodes[0]])
       {
-        const loop::Crossing at = loop::cross_edges(edge_at(first, _loops, _X.data(), nullptr),
-                                                    edge_at(second, _loops, _X.data(), nullptr));
+        const loop::Crossing at =
+            loop::cross_edges(edge_at(first, _loops, _X.data(), nullptr), edge_at(second, _loops, _X.data(), nullptr));
         if (at.valid && at.gap < 0.0)
           continue;
       }
@@ -570,7 +570,8 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
     // Of an open node what is found behind counts before what is in front, of both the nearest. The side of a closed
     // one is known: the nearest counts.
     if (spring.closed ? distance >= std::abs(touch.gap)
-                      : front ? touch.gap < 0.0 || distance >= touch.gap : touch.gap < 0.0 && distance >= -touch.gap)
+        : front       ? touch.gap < 0.0 || distance >= touch.gap
+                      : touch.gap < 0.0 && distance >= -touch.gap)
       continue;
     if (spring.closed ? loop::dot<D>(at.normal, spring.normal) < sliding : !faces<D>(node, at.normal))
       continue;
@@ -663,16 +664,15 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       correction.set<D>(
           num, [&](int k, int c) { return _x[std::size_t(corners[k]) * D + c]; }, touch.weights, _x.data() + node * D,
           r);
-      add_rotation<D>(correction, num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; },
-                      motion);
+      add_rotation<D>(
+          correction, num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; }, motion);
     }
     const double closing = loop::dot<D>(touch.normal, motion);
     const double stiffness = share_of_way / (_compliance[node] + others / _area[node]);
     spring.begin_at_rest(touch.gap, closing, _first);
     const double* const last_motion = last.corners[0] >= 0 ? before : motion;
     out = spring.advance<D>({touch.normal, touch.gap + spring.spring.offset, closing, motion, last_motion, turn_work},
-                            stiffness,
-                            _options.friction, _energy);
+                            stiffness, _options.friction, _energy);
     last = {};
     if (spring.closed)
     {
@@ -719,7 +719,10 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
   if (at.valid && at.gap < 0.0)
   {
     const auto length = [](const loop::EdgeAtPresent& edge)
-    { return std::hypot(edge.ends[1][0] - edge.ends[0][0], edge.ends[1][1] - edge.ends[0][1], edge.ends[1][2] - edge.ends[0][2]); };
+    {
+      return std::hypot(edge.ends[1][0] - edge.ends[0][0], edge.ends[1][1] - edge.ends[0][1],
+                        edge.ends[1][2] - edge.ends[0][2]);
+    };
     const double lengths[2] = {length(a), length(b)};
     for (int k = 0; k < 2; ++k)
       at.valid &= std::min(at.at[k], 1.0 - at.at[k]) * lengths[k] > -inside_factor * at.gap;

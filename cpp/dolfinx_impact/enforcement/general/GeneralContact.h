@@ -144,9 +144,9 @@ private:
   int _gdim;
   std::size_t _num_named;
   NodeCandidates _candidates;
-  std::vector<double> _known;                        ///< compliances of owned nodes of the space [L/F]
-  std::vector<double> _thickness, _groups, _bodies;  ///< of owned nodes of the space
-  std::vector<double> _shared;                       ///< the same over the nodes of the Halo of `required_nodes`
+  std::vector<double> _known;                       ///< compliances of owned nodes of the space [L/F]
+  std::vector<double> _thickness, _groups, _bodies; ///< of owned nodes of the space
+  std::vector<double> _shared;                      ///< the same over the nodes of the Halo of `required_nodes`
   std::vector<std::int32_t> _needed;
   surface::Facets _found; ///< candidate facets, numbered by the Halo of `required_nodes`
   operators::Halo* _halo = nullptr;
@@ -164,10 +164,10 @@ private:
   std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
   std::vector<double> _next;                ///< by node, as in EdgePair
   std::vector<EdgePair> _edge_pairs;
-  std::map<EdgeKey, EdgeSpring> _kept_edges; ///< histories until edges are listed again
+  std::map<EdgeKey, EdgeSpring> _kept_edges;    ///< histories until edges are listed again
   std::map<EdgeKey, std::int32_t> _kept_owners; ///< of those that `resume` brought: position among the nodes
-  double _moved = 0.0;                       ///< sum of the largest increments since the lists were made [L]
-  double _largest_step = 0.0;                ///< largest increment of a node in this step [L]
+  double _moved = 0.0;                          ///< sum of the largest increments since the lists were made [L]
+  double _largest_step = 0.0;                   ///< largest increment of a node in this step [L]
 
   std::vector<PairSpring> _springs; ///< by node
   std::vector<LastTouch> _last;     ///< by node

@@ -142,8 +142,8 @@ PairForce PairSpring::advance(const PairMotion& at, double k, double friction, C
     }
     spring.tangential_surplus -= more;
     energy.friction -= more;
-    energy.friction += tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit,
-                                          tangential, changed);
+    energy.friction +=
+        tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit, tangential, changed);
     for (int c = 0; c < D; ++c)
     {
       if (changed)

@@ -28,14 +28,13 @@ inline void cross(const double* a, const double* b, double* out)
 template <int D>
 struct Closest
 {
-  double weights[4] = {}; ///< of the corners; their sum is one
-  double away[D];         ///< from the closest point to the other point [L]
-  double normal[D];       ///< of the facet there, unit, outward
+  double weights[4] = {};                                   ///< of the corners; their sum is one
+  double away[D];                                           ///< from the closest point to the other point [L]
+  double normal[D];                                         ///< of the facet there, unit, outward
   double squared = std::numeric_limits<double>::infinity(); ///< distance [L^2]
-  int side = -1;   ///< of the facet that the point lies on; -1: none
-  int corner = -1; ///< that the point is; -1: none
-  bool flat = false; ///< `away` is along the normal
-
+  int side = -1;                                            ///< of the facet that the point lies on; -1: none
+  int corner = -1;                                          ///< that the point is; -1: none
+  bool flat = false;                                        ///< `away` is along the normal
 
   bool inside() const { return side < 0 && corner < 0; }
 };

@@ -195,7 +195,9 @@ class GeneralOutput(ContactOutput):
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         if problem.axisymmetric:
-            raise ValueError(f"{pair.name}: general contact is for plane and 3D problems; name pairs in axisymmetric ones")
+            raise ValueError(
+                f"{pair.name}: general contact is for plane and 3D problems; name pairs in axisymmetric ones"
+            )
         self._facets = pair.facets(V)
         named = [tuple(other.surfaces(V)) for other in problem.named_pairs]
         self._general = _cpp.nodal.GeneralContact(V._cpp_object, self._facets, pair.friction, named)

@@ -61,7 +61,9 @@ class Flying:
             c = m.topology.connectivity(dim - 1, dim).links(f)[0]
             tagged.append(of_cell[c] + 1)
         self.tags = mesh.meshtags(m, dim - 1, facets, np.array(tagged, dtype=np.int32))
-        self.law = law or di.NeoHookean(1000.0, 0.3, density=1.0, **({"hypothesis": "plane_strain"} if dim == 2 else {}))
+        self.law = law or di.NeoHookean(
+            1000.0, 0.3, density=1.0, **({"hypothesis": "plane_strain"} if dim == 2 else {})
+        )
 
     def problem(self, friction=0.0, contact=None, **options):
         contact = [di.GeneralContact(self.tags, friction=friction)] if contact is None else contact

@@ -188,7 +188,9 @@ def test_ring_is_crushed_until_its_inner_faces_touch():
 
     def look(p):
         contact = p.contact[0]
-        met[0] = max(met[0], int(np.sum(inside[contact.nodes] & (contact.status > 0) & (bodies.body[contact.nodes] == 0))))
+        met[0] = max(
+            met[0], int(np.sum(inside[contact.nodes] & (contact.status > 0) & (bodies.body[contact.nodes] == 0)))
+        )
 
     problem.advance(until=1.5, dt=0.5 * problem.stable_step(), callback=look, progress=False)
     assert met[0] > 4
