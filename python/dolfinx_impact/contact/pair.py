@@ -121,8 +121,8 @@ class ContactPair(Fixed):
         self.rigid = isinstance(master, _Rigid)
         if not self.rigid and self.slave == self.master:
             raise ValueError(
-                f"slave and master have the same tag {self.slave}: tag two surfaces, or take GeneralContact, which knows "
-                "self-contact, in an explicit problem"
+                f"slave and master have the same tag {self.slave}: tag two surfaces, or take GeneralContact, which "
+                "knows self-contact, in an explicit problem"
             )
         self.friction = number("friction", friction)
         if self.friction < 0.0:
