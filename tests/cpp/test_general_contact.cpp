@@ -152,10 +152,8 @@ TEST_CASE("edges cross where their common perpendicular parts the bodies", "[gen
 {
   // A ridge along x whose body is below, and one along y whose body is above.
   const double s = std::sqrt(0.5);
-  const auto below = [s](double z)
-  { return loop::EdgeAtPresent{{{-1, 0, z}, {1, 0, z}}, {{0, s, s}, {0, -s, s}}}; };
-  const auto above = [s](double z)
-  { return loop::EdgeAtPresent{{{0, -1, z}, {0, 1, z}}, {{s, 0, -s}, {-s, 0, -s}}}; };
+  const auto below = [s](double z) { return loop::EdgeAtPresent{{{-1, 0, z}, {1, 0, z}}, {{0, s, s}, {0, -s, s}}}; };
+  const auto above = [s](double z) { return loop::EdgeAtPresent{{{0, -1, z}, {0, 1, z}}, {{s, 0, -s}, {-s, 0, -s}}}; };
   for (const double gap : {0.1, -0.1})
   {
     // The first facet of an edge has it from the first end to the second, on its left.
@@ -220,7 +218,8 @@ TEST_CASE("a pair's spring accounts for the work of its forces", "[general]")
     has_closed |= spring.closed;
     const double squared = loop::dot<3>(spring.tangential, spring.tangential);
     const double stored = spring.closed ? spring.spring.stored() + 0.5 * squared / k : 0.0;
-    CHECK(work + stored + energy.normal + energy.friction == Approx(0.0).margin(1e-13));
+    // energy.normal is the work that normal forces have done on the bodies, beside what springs store.
+    CHECK(work + stored - energy.normal + energy.friction == Approx(0.0).margin(1e-13));
     CHECK(std::sqrt(squared) <= 0.3 * spring.spring.force * (1.0 + 1e-9) + 1e-15);
   }
   CHECK(has_closed);

@@ -118,6 +118,32 @@ class NodalPair:
 
     def energy(self) -> dict[str, float]: ...
 
+class NodeLaw(NodeToSurface):
+    """A law of the interface at slave nodes"""
+
+    @overload
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        law: dolfinx_impact._cpp.enforcement.InterfaceLaw,
+        friction: float = 0.0,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+    ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.gap.Rigid,
+        law: dolfinx_impact._cpp.enforcement.InterfaceLaw,
+        friction: float = 0.0,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+    ) -> None: ...
+
 class NodePenalty(NodeToSurface):
     """Springs between slave nodes and the master"""
 
