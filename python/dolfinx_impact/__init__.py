@@ -16,6 +16,7 @@ from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
     ContactStatus,
+    GeneralContact,
     Kinematic,
     Lagrange,
     Penalty,
@@ -64,6 +65,7 @@ __all__ = [
     "ExplicitProblem",
     "FollowerPressure",
     "Foundation",
+    "GeneralContact",
     "InelasticMaterial",
     "InterfaceLaw",
     "InterfaceUpdate",

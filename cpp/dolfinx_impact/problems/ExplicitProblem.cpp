@@ -5,6 +5,7 @@
 #include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
+#include "../enforcement/general/GeneralContact.h"
 #include "../enforcement/mortar/tied_nodes.h"
 #include "../enforcement/node_to_surface/KinematicContact.h"
 #include "../enforcement/node_to_surface/NodePenalty.h"
@@ -165,6 +166,10 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
   for (const ContactInTime& c : contacts)
   {
     const auto& directions = c.contact.directions();
+    if (auto* general = dynamic_cast<enforcement::GeneralContact*>(directions.front().get());
+        general && general->lacks_compliances())
+      general->set_nodal_compliances(
+          enforcement::nodal_compliances(*u.function_space(), general->facets(), moduli, frequency_stiffness));
     const auto* first = dynamic_cast<const enforcement::NodePenalty*>(directions.front().get());
     if (!first || !first->lacks_compliances())
       continue;
@@ -311,6 +316,15 @@ void ExplicitProblem::check_overlap()
     const enforcement::NodalContact* slaves = c.contact.directions().front().get();
     const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(slaves);
     long long deep = contact ? contact->implausible() : 0;
+    if (const auto* general = dynamic_cast<const enforcement::GeneralContact*>(slaves))
+    {
+      deep = common::sum(comm(), (long long)(general->implausible()));
+      if (deep > 0)
+        throw common::BadValue(c.name + ": " + std::to_string(deep) +
+                               " nodes lie deeper in another body than a twentieth of a cell: the bodies overlap at "
+                               "the start; move them apart");
+      continue;
+    }
     if (_step == 0 && contact && contact->obstacle())
       deep = contact->too_deep(_integrator->displacement()).value_or(0);
     else if (_step == 0 && dynamic_cast<const enforcement::KinematicContact*>(slaves))

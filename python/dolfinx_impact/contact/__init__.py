@@ -3,6 +3,7 @@
 
 from .mortar.lagrange import Lagrange
 from .mortar.tie import Tie
+from .explicit.general import GeneralContact
 from .explicit.nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty.penalty import Penalty
@@ -13,6 +14,7 @@ from .rigid_surface import RigidSurface
 __all__ = [
     "ContactPair",
     "ContactStatus",
+    "GeneralContact",
     "Kinematic",
     "Lagrange",
     "Penalty",

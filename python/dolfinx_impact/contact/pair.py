@@ -170,7 +170,8 @@ class ContactPair(Fixed):
         self.rigid = isinstance(master, _Rigid)
         if self.slave in self.masters:
             raise ValueError(
-                f"slave and master have the same tag {self.slave}: self-contact is not supported, tag two surfaces"
+                f"slave and master have the same tag {self.slave}: tag two surfaces, or take GeneralContact, which "
+                "knows self-contact, in an explicit problem"
             )
         self.friction = number("friction", friction)
         if self.friction < 0.0:

@@ -73,9 +73,11 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     Attributes:
         prescribed: mask of prescribed degrees of freedom, owned and ghosts.
+        named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
     """
 
     prescribed: BoolArray
+    named_pairs: list[ContactPair]
     _cpp_object: _cpp.problems.ExplicitProblem
 
 

@@ -28,6 +28,7 @@ from ..common.messages import LOG
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..common.unique import claim
 from ..common.units import Units
+from ..contact.explicit.general import named_pairs
 from ..forms.compiler.frontend import check_kinds
 from ..foundation import Foundation
 from ..io.mesh_check import check_cells
@@ -53,12 +54,15 @@ from .time_stepper import TimeStepper
 from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
+    from ..contact.explicit.general import GeneralContact, GeneralOutput
     from ..contact.explicit.nodal import Kinematic, NodalPair
     from ..contact.explicit.tied import ExplicitTie
     from ..contact.mortar.tie import Tie
     from ..contact.penalty.penalty import Penalty
     from ..rolling.rolling_problem import RollingProblem
     from ..statics.static_problem import StaticProblem
+
+    ExplicitMethod = Penalty | Kinematic | Tie | GeneralContact
 
 
 SEEN = 1e-12  # part of the kinetic energy that is more than round-off
@@ -80,7 +84,8 @@ class ExplicitProblem(TransientProblem):
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant), PrescribedMotion (function of time), or a list of them.
         loads: load, or a list of them; their `amplitude` is a function of time.
-        contact: contact, or a list of them: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
+        contact: contact, or a list of them: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair),
+            dolfinx_impact.GeneralContact(facet_tags).
         damping: Rayleigh(alpha, beta) or None.
         bulk_viscosity: factors (linear, quadratic), for example (0.06, 1.2), or None [1].
         scheme: "half_step" (seed 3.72-3.77) or "classical" (seed 3.68-3.71).
@@ -130,7 +135,7 @@ class ExplicitProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Penalty | Kinematic | Tie | Sequence[Penalty | Kinematic | Tie] = (),
+        contact: ExplicitMethod | Sequence[ExplicitMethod] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
@@ -149,6 +154,7 @@ class ExplicitProblem(TransientProblem):
             given = problem_arguments.problem(
                 u, material, residual, bcs, loads, contact, axisymmetric, explicit=True, tangent=tangent
             )
+            pairs = named_pairs(contact)
             check_velocity(velocity, u)
             own: Any = None
             if residual is not None:
@@ -199,8 +205,9 @@ class ExplicitProblem(TransientProblem):
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
+        self.named_pairs = pairs
         bound = [c._bind_explicit(self) for c in named_apart(contact)]
-        self.contact: tuple[NodalPair | ExplicitTie, ...] = tuple(bound)
+        self.contact: tuple[NodalPair | ExplicitTie | GeneralOutput, ...] = tuple(bound)
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(

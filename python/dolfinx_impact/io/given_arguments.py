@@ -181,6 +181,14 @@ class GivenArguments:
         for key, value in sorted(options.items()):
             self.table[f"{name}.{key}"] = short(_text(value))
         of = f"{name}.pair"
+        if not hasattr(pair, "slave"):  # a surface that meets itself
+            tags = (
+                "all"
+                if pair.tags is None
+                else [f"{t}, {facets_with(self.mesh, pair.facet_tags, t)}" for t in pair.tags]
+            )
+            self.table[f"{of}.tags"], self.table[f"{of}.friction"] = short(str(tags)), _text(pair.friction)
+            return
         self.table[f"{of}.slave"] = f"{pair.slave}, {facets_with(self.mesh, pair.facet_tags, pair.slave)}"
         if pair.rigid:
             master = pair.master

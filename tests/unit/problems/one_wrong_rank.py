@@ -261,6 +261,8 @@ def calls_of_parts(s):
         ("Penalty", lambda p: di.Penalty(s.pair, penalty=p), "auto", NAN, ValueError, "penalty"),
         ("Penalty, degree", lambda n: di.Penalty(s.pair, quadrature_degree=n), 2, -1, ValueError, "quadrature_degree"),
         ("Kinematic", lambda n: di.Kinematic(s.pair, sweeps=n), 3, 0, ValueError, "sweeps"),
+        ("GeneralContact, tags", lambda t: di.GeneralContact(s.tags, tags=t), [3], [], ValueError, "tags is empty"),
+        ("GeneralContact, friction", lambda f: di.GeneralContact(s.tags, None, f), 0.0, -1.0, ValueError, "friction"),
         ("Traction, tag", lambda t: di.Traction(s.tags, t, (0, 1)), 3, None, TypeError, "integer"),
         ("Traction, vector", lambda f: di.Traction(s.tags, 3, f), (0, 1), (0, 2), ValueError, "vector differs"),
         ("FollowerPressure", lambda p: di.FollowerPressure(s.tags, 3, p), 1.0, None, TypeError, "number"),

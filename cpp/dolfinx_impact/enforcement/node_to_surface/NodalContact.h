@@ -36,6 +36,7 @@ struct Passage
 {
   std::int32_t node = -1; ///< number in the space; -1: none
   double facets = 0.0;    ///< depth of the passage in facet diameters (docs/explicit/penalty.md) [1]
+  bool pressed = false;   ///< it was held back, but pressed through by a force (general contact)
 };
 
 /// Interface of a contact to the explicit integrator: candidates, nodes, energies. It is one direction of a pair: slave

@@ -3,6 +3,7 @@
 #include "../../common/gather.h"
 #include "../friction.h"
 #include "MomentCorrection.h"
+#include "overlap.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -197,24 +198,6 @@ inline double NodePenalty::compliance(const ContactPoint& point) const
             });
   return (own + body + masters * per_area) / _share;
 }
-
-namespace
-{
-/// Mean of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2.
-double mean_overlap(double g, double r)
-{
-  const double half = 0.5 * std::abs(r);
-  return g >= half ? 0.0 : g <= -half ? -g : (half - g) * (half - g) / (4.0 * half);
-}
-
-/// Part of the way from gap g - r to g that lies below zero.
-double part_below(double g, double r)
-{
-  if (g < 0.0)
-    return r < 0.0 ? std::min(1.0, g / r) : 1.0;
-  return r > g ? 1.0 - g / r : 0.0;
-}
-} // namespace
 
 /// Opens the spring of a node that leaves through the surface. Half of the last force's work is done in this step.
 /// @param[in] motion increment of the node relative to the master [L]
