@@ -1,8 +1,8 @@
 # # Two meshes that do not match: a beam of two parts
 #
 # A cantilever beam is meshed in two parts, coarse at the wall and fine at the tip, whose nodes do not meet at the
-# joint. `Tie` makes one beam of them. Beam theory knows what crosses the joint, at the distance $L - x$ from the load $P$ at
-# the tip (per thickness, plane stress, height $h$):
+# joint. `Tie` makes one beam of them. Beam theory knows what crosses the joint, at the distance $L - x$ from the load
+# $P$ at the tip (per thickness, plane stress, height $h$):
 #
 # $$ \sigma_x = \frac{12\, P\,(L - x)\, y}{h^3}, \qquad
 #    \tau = \frac{3 P}{2 h} \left(1 - \frac{4 y^2}{h^2}\right), \qquad

@@ -216,7 +216,6 @@ def check_ties_meet_contacts_and_each_other():
             m = Boxes(
                 [(at(0, 0), to(1, 1), n(2, 2)), (at(1, 0), to(2, 1), n(3, 3)), (at(0, 1), to(2, 2), n(5, 2))], cell
             )
-            left, right = (lambda x: x[0] < 1.0), (lambda x: x[0] > 1.0)
             tags = m.tags({
                 1: (0, up, 1.0), 2: (1, up, 1.0), 3: (2, up, 1.0), 5: (2, up, 2.0), 6: (0, 0, 1.0), 7: (1, 0, 1.0),
             })  # fmt: skip
@@ -278,7 +277,10 @@ def check_the_order_of_convergence():
             x = ufl.SpatialCoordinate(m.mesh)
             exact = 0.01 * ufl.as_vector([ufl.sin(2 * x[0]) * ufl.cos(1.5 * x[1]), ufl.cos(x[0]) * ufl.sin(2 * x[1])])
             v, dx = ufl.TestFunction(m.V), ufl.dx(metadata={"quadrature_degree": 2 * degree + 4})
-            strain = lambda u: ufl.sym(ufl.grad(u))
+
+            def strain(u):
+                return ufl.sym(ufl.grad(u))
+
             residual = ufl.inner(strain(m.u), strain(v)) * dx + ufl.inner(ufl.div(strain(exact)), v) * dx
             boundary = fem.Function(m.V)
             boundary.interpolate(fem.Expression(exact, compat.interpolation_points(m.V)))
@@ -335,7 +337,10 @@ def check_waves_pass():
     tags = m.tags({3: (1, 0, 1.0), 4: (0, 0, 1.0)})
     v = fem.Function(m.V)
     c = np.sqrt(1000.0)
-    pulse = lambda s: np.where(np.abs(s - 0.5) < 0.2, np.cos(2.5 * np.pi * (s - 0.5)) ** 2, 0.0)
+
+    def pulse(s):
+        return np.where(np.abs(s - 0.5) < 0.2, np.cos(2.5 * np.pi * (s - 0.5)) ** 2, 0.0)
+
     m.u.interpolate(lambda x: np.array([-pulse_integral(x[0]) / c, 0.0 * x[0]]))
     v.interpolate(lambda x: np.array([pulse(x[0]), 0.0 * x[0]]))
     problem = di.ExplicitProblem(m.u, m.law, velocity=v, contact=[di.Tie(di.ContactPair(tags, slave=3, master=4))])

@@ -66,7 +66,10 @@ def largest_error(m, field):
     exact = fem.Function(m.V)
     exact.interpolate(field)
     owned = m.V.dofmap.index_map.size_local * m.dim
-    most = lambda v: m.mesh.comm.allreduce(float(np.abs(v[:owned]).max(initial=0.0)), MPI.MAX)
+
+    def most(v):
+        return m.mesh.comm.allreduce(float(np.abs(v[:owned]).max(initial=0.0)), MPI.MAX)
+
     return most(m.u.x.array - exact.x.array) / most(exact.x.array)
 
 
