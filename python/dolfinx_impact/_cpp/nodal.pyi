@@ -22,6 +22,8 @@ class KinematicContact(NodeToSurface):
         sweeps: int = 3,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -33,6 +35,8 @@ class KinematicContact(NodeToSurface):
         sweeps: int = 3,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     def correct(
         self,
@@ -94,6 +98,8 @@ class NodeLaw(NodeToSurface):
         friction: float = 0.0,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -105,6 +111,8 @@ class NodeLaw(NodeToSurface):
         friction: float = 0.0,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
 
 class NodePenalty(NodeToSurface):
@@ -123,6 +131,8 @@ class NodePenalty(NodeToSurface):
         search_distance: float = 0.0,
         axisymmetric: bool = False,
         by_step: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -137,6 +147,8 @@ class NodePenalty(NodeToSurface):
         search_distance: float = 0.0,
         axisymmetric: bool = False,
         by_step: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     def add_forces(
         self,
@@ -201,6 +213,9 @@ class NodeToSurface(NodalContact):
         """
 
     def counters(self) -> dict[str, int]: ...
+    @property
+    def initial(self) -> dolfinx_impact._cpp.gap.InitialPenetration | None:
+        """Penetrations in the reference configuration, where gaps are adjusted"""
 
 def balanced_penalty(
     V: dolfinx.cpp.fem.FunctionSpace_float64,
@@ -212,6 +227,8 @@ def balanced_penalty(
     search_distance: float = 0.0,
     axisymmetric: bool = False,
     by_step: bool = False,
+    name: str = "contact",
+    adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
 ) -> NodalPair:
     """
     Both directions of contact by penalty, each with half of the stiffness. Collective
