@@ -358,7 +358,7 @@ class MortarOptions:
         quadrature_degree: int | None = None,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
-        remove_penetration: bool = False,
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
         may_share_nodes: bool = True,
     ) -> None: ...
     @property

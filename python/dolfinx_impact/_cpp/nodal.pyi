@@ -44,6 +44,8 @@ class KinematicContact(NodeToSurface):
         sweeps: int = 3,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -55,6 +57,8 @@ class KinematicContact(NodeToSurface):
         sweeps: int = 3,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     def correct(
         self,
@@ -116,6 +120,8 @@ class NodeLaw(NodeToSurface):
         friction: float = 0.0,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -127,6 +133,8 @@ class NodeLaw(NodeToSurface):
         friction: float = 0.0,
         search_distance: float = 0.0,
         axisymmetric: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
 
 class NodePenalty(NodeToSurface):
@@ -145,6 +153,8 @@ class NodePenalty(NodeToSurface):
         search_distance: float = 0.0,
         axisymmetric: bool = False,
         by_step: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     @overload
     def __init__(
@@ -159,6 +169,8 @@ class NodePenalty(NodeToSurface):
         search_distance: float = 0.0,
         axisymmetric: bool = False,
         by_step: bool = False,
+        name: str = "contact",
+        adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
     ) -> None: ...
     def add_forces(
         self,
@@ -223,6 +235,9 @@ class NodeToSurface(NodalContact):
         """
 
     def counters(self) -> dict[str, int]: ...
+    @property
+    def initial(self) -> dolfinx_impact._cpp.gap.InitialPenetration | None:
+        """Penetrations in the reference configuration, where gaps are adjusted"""
 
 def balanced_penalty(
     V: dolfinx.cpp.fem.FunctionSpace_float64,
@@ -234,6 +249,8 @@ def balanced_penalty(
     search_distance: float = 0.0,
     axisymmetric: bool = False,
     by_step: bool = False,
+    name: str = "contact",
+    adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
 ) -> NodalPair:
     """
     Both directions of contact by penalty, each with half of the stiffness. Collective

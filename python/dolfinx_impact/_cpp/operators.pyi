@@ -196,3 +196,12 @@ def nodes_of_bodies(
     """
     Nodes of the bodies that some nodes of any rank belong to, owned and ghosts. Collective
     """
+
+def resultant(
+    V: dolfinx.cpp.fem.FunctionSpace_float64,
+    u: NDArray[numpy.floating[Any]],
+    forces: NDArray[numpy.floating[Any]],
+    dofs: NDArray[numpy.integer[Any]],
+    point: Sequence[float],
+) -> tuple[list[float], list[float]]:
+    """Force and moment of nodal forces, of all ranks. Collective"""
