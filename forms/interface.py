@@ -45,8 +45,8 @@ class InterfaceUpdate:
     Attributes:
         pressure: contact pressure, positive in compression [F/L^2].
         shear: traction on the slave along the surface, (gdim); its part along the normal does not count [F/L^2].
-        energy: energy stored per area; what is left of the work of the traction is dissipated. None: not known, the work
-            of the pressure counts as stored [F/L].
+        energy: energy stored per area; what is left of the work of the traction is dissipated. None: not known, the
+            work of the pressure counts as stored [F/L].
         shear_energy: without `energy`, the part of it that the shear traction stores; None: its work counts as stored
             [F/L].
         history: new internal variables by name.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "dolfinx_impact/enforcement/interface/InterfaceLaw.h"
 #include "arrays.h"
 #include "casters.h"
+#include "dolfinx_impact/enforcement/interface/InterfaceLaw.h"
 #include <algorithm>
 #include <map>
 
@@ -122,7 +122,8 @@ void interface_law(nb::module_& m)
           nb::rv_policy::move)
       .def_prop_ro("num_unsolved", [](const Evaluated& e) { return e.tractions.num_unsolved; })
       .def(
-          "by", [](const Evaluated& e, const std::string& input)
+          "by",
+          [](const Evaluated& e, const std::string& input)
           {
             const InterfaceTractions& t = e.tractions;
             if (input == "gap")

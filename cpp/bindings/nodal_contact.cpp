@@ -162,7 +162,10 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Bring the gaps of open nodes up to date")
       .def("keep_normals", &NodeToSurface::keep_normals, nb::arg("keep"),
            "For tests of tests: judge facing by the normals of the last search")
-      .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
+      .def(
+          "set_obstacle", [](NodeToSurface& self, std::array<double, 3> displacement, std::array<double, 3> increment)
+          { self.set_obstacle({.displacement = displacement, .increment = increment}); }, nb::arg("displacement"),
+          nb::arg("increment"))
       .def_prop_ro(
           "nodes",
           [](const NodeToSurface& self)
@@ -315,7 +318,7 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def_prop_ro("directions",
                    [](const NodalPair& self)
                    {
-                     nb::typed<nb::list, NodeToSurface> out; // as which Python makes them
+                     nb::typed<nb::list, NodalContact> out;
                      for (const auto& contact : self.directions())
                        out.append(contact);
                      return out;

@@ -225,7 +225,8 @@ void bind_parts(nb::module_& m)
       .def_rw("search_distance", &PenaltyOptions::search_distance)
       .def_rw("remove_penetration", &PenaltyOptions::remove_penetration)
       .def_rw("axisymmetric", &PenaltyOptions::axisymmetric)
-      .def_rw("law", &PenaltyOptions::law, nb::arg("law").none(), "A law of the interface instead; None: there is none");
+      .def_rw("law", &PenaltyOptions::law, nb::arg("law").none(),
+              "A law of the interface instead; None: there is none");
 }
 
 /// The tangent that a function of Python's assembles; its result lives until the next call.

@@ -20,10 +20,12 @@ from .contact import (
     Kinematic,
     Lagrange,
     Penalty,
+    RigidBody,
     RigidCylinder,
     RigidPlane,
     RigidSphere,
     RigidSurface,
+    Tie,
 )
 from .dynamics.explicit import ExplicitProblem
 from .dynamics.implicit.newmark_problem import NewmarkProblem
@@ -92,10 +94,12 @@ __all__ = [
     "Kinematic",
     "Lagrange",
     "Penalty",
+    "RigidBody",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
     "RigidSurface",
+    "Tie",
     "_cpp",
     "cache_folder",
     "cell_max",

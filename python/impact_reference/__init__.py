@@ -6,7 +6,20 @@ generated from UFL. `reference_nodes` states the node order; degrees of freedom 
 fastest. The user chooses the units; docstrings give dimensions: [L] length, [F] force, [M] mass, [T] time.
 """
 
-from . import contact, elements, explicit, interface, model, newmark, plastic_body, plasticity, rolling, rules, sparse, streamlines
+from . import (
+    contact,
+    elements,
+    explicit,
+    interface,
+    model,
+    newmark,
+    plastic_body,
+    plasticity,
+    rolling,
+    rules,
+    sparse,
+    streamlines,
+)
 from ._reference import Material
 from .contact import Contact, ContactSolution, RigidCylinder, RigidPlane, RigidSphere
 from .discretisation import StaticSolution
@@ -32,7 +45,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
-from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
+from .explicit import ExplicitResult, NodalKinematic, NodalPenalty, RigidBall
 from .interface import (
     InterfaceHistory,
     adhesive_pressure,
@@ -57,6 +70,7 @@ from .rules import (
     shape_functions,
 )
 from .sparse import Csr
+from .tie import Tie, TieSolution
 
 __all__ = [
     "Contact",
@@ -79,6 +93,7 @@ __all__ = [
     "PlasticBody",
     "PlasticElement",
     "PlasticStates",
+    "RigidBall",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
@@ -86,6 +101,8 @@ __all__ = [
     "RollingSolution",
     "Spinning",
     "StaticSolution",
+    "Tie",
+    "TieSolution",
     "Translating",
     "adhesive_pressure",
     "cohesive_history",

@@ -90,13 +90,15 @@ def friction_history(
         time_step: length of a step [T].
     """
     out = InterfaceHistory(np.zeros(len(gaps)), np.zeros((len(gaps), 2)), np.zeros(len(gaps)))
-    last, traction = np.zeros(2), np.zeros(2)
-    for i, (gap, slip) in enumerate(zip(gaps, slips)):
-        pressure, stored = normal(gap)
+    last: FloatArray = np.zeros(2)
+    traction: FloatArray = np.zeros(2)
+    for i in range(len(gaps)):
+        slip: FloatArray = slips[i]
+        pressure, stored = normal(float(gaps[i]))
         moved = slip - last
         traction = traction - tangential * moved
-        limit = coefficient(float(np.hypot(*moved)) / time_step) * pressure
-        size = float(np.hypot(*traction))
+        limit = coefficient(float(np.hypot(moved[0], moved[1])) / time_step) * pressure
+        size = float(np.hypot(traction[0], traction[1]))
         if size > limit:
             traction = traction * (limit / size) if limit > 0.0 else np.zeros(2)
         last = slip
@@ -129,8 +131,9 @@ def cohesive_history(
     """
     out = InterfaceHistory(np.zeros(len(gaps)), np.zeros((len(gaps), 2)), np.zeros(len(gaps)))
     damage = 0.0
-    for i, (gap, slip) in enumerate(zip(gaps, slips)):
-        opening, sliding = max(gap, 0.0), math.hypot(*slip)
+    for i in range(len(gaps)):
+        gap, slip = float(gaps[i]), slips[i]
+        opening, sliding = max(gap, 0.0), math.hypot(float(slip[0]), float(slip[1]))
         separation = math.hypot(opening, sliding)
         if separation > 0.0:
             mix = (sliding / separation) ** 2

@@ -41,10 +41,10 @@ public:
     seen_mass = mass[own];
   }
   double largest_position() const override { return position; }
-  void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override
+  void set_obstacle(const gap::RigidMotion& motion) override
   {
-    obstacle = displacement;
-    obstacle_increment = increment;
+    obstacle = motion.displacement;
+    obstacle_increment = motion.increment;
   }
   double increment_used(const enforcement::NodalState&) const override { return motion_used; }
   void forget_search() override { ++forgotten; }

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 # Written by `make stub` from cpp/bindings: not to be changed by hand.
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+import dolfinx.cpp
 import mpi4py.MPI
 import numpy
 from numpy.typing import NDArray
@@ -52,6 +53,57 @@ class ContactTotals:
     ) -> None:
         """Sum up a converged increment. Collective"""
 
+class InterfaceLaw:
+    """A law of the interface by a kernel"""
+
+    def __init__(
+        self,
+        kernel: int,
+        gdim: int,
+        constants: Mapping[str, float],
+        fields: Mapping[str, dolfinx.cpp.fem.Function_float64],
+        tangential: Sequence[str],
+        reach: float,
+    ) -> None: ...
+    def set_constant(self, name: str, value: float) -> None: ...
+    @property
+    def gdim(self) -> int: ...
+    @property
+    def reach(self) -> float: ...
+    @property
+    def has_rates(self) -> bool: ...
+    @property
+    def has_shear(self) -> bool: ...
+    @property
+    def has_energy(self) -> bool: ...
+    def evaluate(self, values: Mapping[str, NDArray[numpy.floating[Any]]]) -> InterfaceTractions:
+        """
+        At points: flat arrays by name: gap, slip, gap_rate, slip_rate, normal, NAME_slave and NAME_master of fields, 'history NAME' of internal variables
+        """
+
+class InterfaceTractions:
+    """What a law returns at points; flat copies"""
+
+    @property
+    def pressure(self) -> NDArray[numpy.float64]: ...
+    @property
+    def shear(self) -> NDArray[numpy.float64]: ...
+    @property
+    def energy(self) -> NDArray[numpy.float64]:
+        """Empty where the law does not know it"""
+
+    @property
+    def sticks(self) -> NDArray[numpy.float64]: ...
+    @property
+    def num_unsolved(self) -> int: ...
+    def by(self, input: str) -> NDArray[numpy.float64]:
+        """
+        Derivative of pressure and shear by an input, (n, 1 + gdim, size) flat; empty: zero
+        """
+
+    def history(self, name: str) -> NDArray[numpy.float64]:
+        """New values of an internal variable"""
+
 class MultiplierContact(StaticContact):
     """One whose normal tractions are unknowns"""
 
@@ -63,6 +115,9 @@ class StaticContact:
     @property
     def fault(self) -> str: ...
     def check_parameters(self) -> None: ...
+    def set_time_step(self, dt: float) -> None:
+        """Of the increments that follow; 0: none [T]"""
+
     def begin_step(
         self,
         u: NDArray[numpy.floating[Any]],

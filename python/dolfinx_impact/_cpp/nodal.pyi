@@ -9,6 +9,28 @@ from numpy.typing import NDArray
 
 import dolfinx_impact._cpp
 
+class ExplicitTie(NodalContact):
+    """Two surfaces tied in an explicit problem"""
+
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        options: dolfinx_impact._cpp.multipliers.TieOptions,
+        fixed: NDArray[numpy.bool_],
+    ) -> None:
+        """Collective"""
+
+    @property
+    def conditions(self) -> dolfinx_impact._cpp.multipliers.TieConditions: ...
+    @property
+    def traction(self) -> NDArray[numpy.float64]:
+        """Of the last step, (n, gdim) [F/L^2]"""
+
+    def forces(self) -> NDArray[numpy.float64]:
+        """Nodal forces of the last step on both surfaces, owned [F]. Collective"""
+
 class GeneralContact(NodalContact):
     """All facets of a surface against each other; all arrays are copies"""
 
@@ -109,7 +131,7 @@ class NodalPair:
         """
 
     @property
-    def directions(self) -> list[NodeToSurface]: ...
+    def directions(self) -> list[NodalContact]: ...
     @property
     def force(self) -> NDArray[numpy.float64]:
         """

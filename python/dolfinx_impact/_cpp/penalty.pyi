@@ -152,6 +152,12 @@ class PenaltyOptions:
     def axisymmetric(self) -> bool: ...
     @axisymmetric.setter
     def axisymmetric(self, arg: bool, /) -> None: ...
+    @property
+    def law(self) -> dolfinx_impact._cpp.enforcement.InterfaceLaw:
+        """A law of the interface instead; None: there is none"""
+
+    @law.setter
+    def law(self, law: dolfinx_impact._cpp.enforcement.InterfaceLaw | None) -> None: ...
 
 class PenaltyParameters:
     """Penalties [F/L^3], friction [1], touch [F/L^2]"""

@@ -20,6 +20,7 @@ from ..common.types import FloatArray, IntArray
 from ..loads import _tag, check_tag, facet_tags_of
 from .nodal_sum import NodalSum
 from .rigid import _Rigid
+from .rigid_body import RigidBody
 
 _Result = TypeVar("_Result")
 Smooth = bool | Callable[[FloatArray], Any]
@@ -39,7 +40,7 @@ class ContactPair(Fixed):
     Args:
         facet_tags: tags of facets.
         slave: tag of the slave surface; preferably the finer mesh and the softer body.
-        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
+        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder, RigidSurface or RigidBody.
         friction: coefficient of friction, zero or more [1].
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
@@ -110,6 +111,27 @@ class ContactPair(Fixed):
         if isinstance(self.master, _Rigid):
             return self.master
         raise TypeError(f"{self.name}: the master is a surface of the mesh, not a rigid obstacle")
+
+    @property
+    def rigid_body(self) -> RigidBody | None:
+        """The master, if it is a body that moves by forces."""
+        return self.master if isinstance(self.master, RigidBody) else None
+
+    def refuse_rigid_body(self, what: str, problem: object = None) -> None:
+        """Refuse a master that moves by forces, unless the problem moves it.
+
+        Args:
+            what: what does not move it.
+            problem: the problem; None: none that does.
+
+        Raises:
+            ValueError: the master is a RigidBody.
+        """
+        if self.rigid_body is not None and not getattr(problem, "moves_rigid_bodies", False):
+            raise ValueError(
+                f"{self.name}: {what} does not move a RigidBody: take Penalty in an ExplicitProblem, or a "
+                "StaticProblem, or give its surface as the master and displace it"
+            )
 
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
         """Check the arguments of a pair, on this rank."""

@@ -73,9 +73,11 @@ class ExplicitContactProblem(ContactProblem, Protocol):
 
     Attributes:
         named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
+        prescribed: mask of prescribed degrees of freedom, owned and ghosts.
     """
 
     named_pairs: list[ContactPair]
+    prescribed: BoolArray
     _cpp_object: _cpp.problems.ExplicitProblem
 
 
@@ -405,6 +407,10 @@ class ExplicitContact(Protocol):
     @property
     def kinematic(self) -> bool:
         """Whether the contact has no springs."""
+
+    @property
+    def is_penalty(self) -> bool:
+        """Whether the contact acts by springs, which approximate surfaces that do not penetrate."""
 
     def sides(self) -> list[_cpp.nodal.NodeToSurface]:
         """C++ contacts of this pair.

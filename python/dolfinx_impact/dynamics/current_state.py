@@ -79,5 +79,5 @@ class CurrentState:
         values = dict(zip(ENERGIES, map(float, self.integrator.energies())))
         self.share.update(values)
         for contact in self.contacts:
-            contact.penetration_share = 0.0 if contact.kinematic else self.share.of(contact.stored, values)
+            contact.penetration_share = self.share.of(contact.stored, values) if contact.is_penalty else 0.0
         self.energy = {**values, "total": total_energy(values), "drift": self.history.drift(values)}

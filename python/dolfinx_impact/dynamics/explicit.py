@@ -24,6 +24,7 @@ from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
+from ..common.messages import LOG
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..common.unique import claim
 from ..common.units import Units
@@ -39,7 +40,7 @@ from .advance_calls import AdvanceCalls
 from .current_state import CurrentState
 from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
-from .in_time import contact_in_time, prescribed_motion
+from .in_time import contacts_in_time, prescribed_motion
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
 from .read_once import ReadOnce
@@ -54,11 +55,16 @@ from .transient_problem import TransientProblem
 if TYPE_CHECKING:
     from ..contact.explicit.general import GeneralContact, GeneralOutput
     from ..contact.explicit.nodal import Kinematic, NodalPair
+    from ..contact.explicit.tied import ExplicitTie
+    from ..contact.mortar.tie import Tie
     from ..contact.penalty.penalty import Penalty
     from ..rolling.rolling_problem import RollingProblem
     from ..statics.static_problem import StaticProblem
 
-    ExplicitMethod = Penalty | Kinematic | GeneralContact
+    ExplicitMethod = Penalty | Kinematic | Tie | GeneralContact
+
+
+SEEN = 1e-12  # part of the kinetic energy that is more than round-off
 
 
 class ExplicitProblem(TransientProblem):
@@ -199,20 +205,22 @@ class ExplicitProblem(TransientProblem):
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
         self.named_pairs = pairs
-        self.contact: tuple[NodalPair | GeneralOutput, ...] = tuple([c._bind_explicit(self) for c in contact])
+        self.contact: tuple[NodalPair | ExplicitTie | GeneralOutput, ...] = tuple(
+            [c._bind_explicit(self) for c in contact]
+        )
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
             bodies.body(uniform), motions, dead,
-            [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
+            contacts_in_time(self.contact, functions), getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
         integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step
         inputs = Inputs(self.comm, integrator, bodies.terms, self.dead_loads, bodies.frequencies, safe.changes)
         self._history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
         share = PenetrationShare(
-            u, material, self.loads, [not c.kinematic for c in self.contact],
+            u, material, self.loads, [c.is_penalty for c in self.contact],
             from_rest=not bodies.linear and not self.has_history,
         )  # fmt: skip
         self._state = CurrentState(
@@ -228,7 +236,20 @@ class ExplicitProblem(TransientProblem):
             integrator.release_limit = energy_gain.release_limit(V, stiffness_of_mass)
         self._restart = Restart(self, self._stepper)
         self._stepper.start()
+        self._tell_of_ties()
         _cpp.integrators.release_memory()
+
+    def _tell_of_ties(self) -> None:
+        """Log the energy of initial velocities that contradict ties, on rank 0."""
+        lost = float(self._cpp_object.lost_at_start)
+        kinetic = self.energy["kinetic"]
+        if lost > SEEN * kinetic and self.comm.rank == 0:
+            LOG.warning(
+                "the velocity at the start moves tied surfaces apart: what contradicts the ties was removed, and "
+                "%.3g of a kinetic energy of %.3g with it",
+                lost,
+                lost + kinetic,
+            )
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 

@@ -52,8 +52,8 @@ def cohesive_zone(
     for what, a, b, g in zip(("opening", "shear"), onset, end, G):
         if not b > a:
             raise ValueError(
-                f"in {what} the bond stores {k * a * a / 2:g} at its strength, and the energy of fracture is {g:g}: take a "
-                "larger stiffness, or a smaller strength"
+                f"in {what} the bond stores {k * a * a / 2:g} at its strength, and the energy of fracture is {g:g}: "
+                "take a larger stiffness, or a smaller strength"
             )
     names = ("onset_n", "onset_s", "end_n", "end_s")
     values = dict(zip(names, (*onset, *end)), stiffness=k, exponent=number("exponent", exponent, 0.0, " [1]"))

@@ -225,9 +225,7 @@ class InterfaceLaw(Fixed):
         tangential = [name for name, shape in self.history.items() if shape == TANGENTIAL]
         functions = {name: function._cpp_object for name, function in self.fields.items()}
         (kernel,) = compiled.kernels
-        return _cpp.enforcement.InterfaceLaw(
-            kernel.address, gdim, self._parameters, functions, tangential, self.reach
-        )
+        return _cpp.enforcement.InterfaceLaw(kernel.address, gdim, self._parameters, functions, tangential, self.reach)
 
     def __repr__(self) -> str:
         given = [w for w in ("pressure", "shear", "traction", "energy", "friction", "response") if getattr(self, w)]

@@ -64,9 +64,7 @@ def exponential_pressure(
 
     slope = p0 / c * (2 * e - 1) / (e - 1)
     values = {"pressure": p0, "clearance": c}
-    return InterfaceLaw(
-        pressure=of_gap, energy=energy, reach=c, **_with_friction(friction, slope, values, options)
-    )
+    return InterfaceLaw(pressure=of_gap, energy=energy, reach=c, **_with_friction(friction, slope, values, options))
 
 
 def damped_contact(stiffness: float, damping: float, **options: Any) -> InterfaceLaw:

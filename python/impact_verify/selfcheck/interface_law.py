@@ -14,7 +14,6 @@ import numpy as np
 from mpi4py import MPI
 
 from dolfinx_impact.common.types import FloatArray
-from dolfinx_impact.forms.interface import TANGENTIAL
 from dolfinx_impact.interface import InterfaceLaw
 from .findings import Finding, SelfCheckReport
 
@@ -61,7 +60,7 @@ class LawSubject:
         self.rng = np.random.default_rng(35)
         n = self.rng.normal(size=(POINTS, gdim))
         self.normal = n / np.linalg.norm(n, axis=1)[:, None]
-        self.fields = {}
+        self.fields: dict[str, FloatArray] = {}
         for name, function in law.fields.items():
             low, high = (float(f(function.x.array)) for f in (np.min, np.max))
             for side in ("slave", "master"):
@@ -74,11 +73,10 @@ class LawSubject:
     def start(self) -> State:
         """Points that just touch, without history."""
         zero = np.zeros((POINTS, self.gdim))
-        size = {TANGENTIAL: self.gdim}
-        history = {
-            name: np.zeros((POINTS, size.get(shape, int(np.prod(shape)) if not isinstance(shape, str) else 1)))
-            for name, shape in self.law.history.items()
-        }
+        history: dict[str, FloatArray] = {}
+        for name, shape in self.law.history.items():
+            width = self.gdim if isinstance(shape, str) else int(np.prod(shape, dtype=int))
+            history[name] = np.zeros((POINTS, width))
         return State(np.zeros(POINTS), zero, np.zeros(POINTS), zero, self.normal, history, self.fields)
 
     def evaluate(self, state: State) -> Any:
@@ -174,6 +172,7 @@ def derivative(subject: LawSubject) -> Found:
         given = np.asarray(whole.by(name))
         rows = given.reshape(POINTS, 1 + subject.gdim, width) if given.size else None
         for c in range(width):
+
             def moved(h: float) -> FloatArray:
                 values = state.values()
                 array = values[name].reshape(POINTS, width).copy()
@@ -256,7 +255,9 @@ def rotation(subject: LawSubject) -> Found:
     q *= np.linalg.det(q)
     dt = subject.length / subject.velocity / STEPS
     plain = subject.start()
-    turned = State(plain.gap, plain.slip, plain.gap_rate, plain.slip_rate, plain.normal @ q.T, dict(plain.history), plain.fields)
+    turned = State(
+        plain.gap, plain.slip, plain.gap_rate, plain.slip_rate, plain.normal @ q.T, dict(plain.history), plain.fields
+    )
     worst = 0.0
     for k in range(1, STEPS):
         plain, found = subject.advanced(plain, gaps[k], slips[k], dt)
@@ -288,8 +289,8 @@ def tangential(subject: LawSubject) -> Found:
     return (
         worst, ROUND_OFF, "round-off",
         "the shear traction is along the surface" if worst <= ROUND_OFF
-        else f"the shear traction has a part along the normal, {worst:.1e} of the largest traction, which contact leaves "
-        "out",
+        else f"the shear traction has a part along the normal, {worst:.1e} of the largest traction, which contact "
+        "leaves out",
     )  # fmt: skip
 
 

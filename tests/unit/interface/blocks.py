@@ -47,7 +47,7 @@ class Blocks:
         corners = {"triangle": 3, "quadrilateral": 4, "tetrahedron": 4, "hexahedron": 8}[cell]
         cells = np.vstack([parts[0][1], parts[1][1] + len(parts[0][0])]) if root else np.zeros((0, corners), np.int64)
         element = ufl.Mesh(basix.ufl.element("Lagrange", cell, 1, shape=(dim,)))
-        self.mesh = mesh.create_mesh(MPI.COMM_WORLD, cells, points, element)
+        self.mesh = mesh.create_mesh(MPI.COMM_WORLD, cells, x=points, e=element)
         heights = {SLAVE: split, MASTER: 1.0, TOP: split + 0.5, BOTTOM: 0.0}
         found = {
             tag: mesh.locate_entities_boundary(self.mesh, dim - 1, lambda x, z=z: np.isclose(x[dim - 1], z))

@@ -8,7 +8,7 @@ import ufl
 from dolfinx import fem, mesh
 from dolfinx_impact import interface
 from dolfinx_impact.forms.interface import InterfaceForm
-from impact_verify.selfcheck.interface_law import CHECKS
+from impact_verify.selfcheck.interface_law import CHECKS, LawSubject
 from mpi4py import MPI
 
 LAWS = {
@@ -82,6 +82,13 @@ def test_a_wrong_derivative_is_caught(monkeypatch):
     report = di.verify.self_check(interface.exponential_pressure(211.0, 1e-3), name="wrong")
     assert [f.name for f in report.findings if f.applies and not f.passed] == ["derivative"] * 2
     assert set(CHECKS) == {f.name for f in report.findings}
+
+
+def test_paths_of_the_checks_lie_in_the_tangent_planes():
+    subject = LawSubject(interface.linear_pressure(1.0), 3, 1e-3, 1.0)
+    gaps, slips = subject.path()
+    assert not gaps[0].any() and not slips[0].any() and 1e-4 < np.abs(gaps).max() < 1e-2
+    assert np.abs(np.einsum("tnc,nc->tn", slips, subject.normal)).max() < 1e-17
 
 
 def of_points(law, gdim, gap, slip, **more):

@@ -65,9 +65,9 @@ InterfaceLaw::InterfaceLaw(const impact_kernel* kernel, int gdim,
   {
     const impact_output& o = kernel->outputs[k];
     const std::string name = o.name;
-    for (auto [wanted, offset] : {std::pair("pressure", &_pressure), std::pair("shear", &_shear),
-                                  std::pair("energy", &_energy), std::pair("shear_energy", &_shear_energy),
-                                  std::pair("sticks", &_sticks)})
+    for (auto [wanted, offset] :
+         {std::pair("pressure", &_pressure), std::pair("shear", &_shear), std::pair("energy", &_energy),
+          std::pair("shear_energy", &_shear_energy), std::pair("sticks", &_sticks)})
       if (o.coefficient < 0 && name == wanted)
         *offset = o.offset;
     if (!name.starts_with(by))
@@ -75,8 +75,8 @@ InterfaceLaw::InterfaceLaw(const impact_kernel* kernel, int gdim,
     std::string what = name.substr(by.size());
     if (what.starts_with(of_history))
       what = what.substr(of_history.size());
-    const auto found = std::ranges::find_if(
-        _inputs, [&](const Input& i) { return kernel->coefficients[&i - _inputs.data()].name == what; });
+    const auto found = std::ranges::find_if(_inputs, [&](const Input& i)
+                                            { return kernel->coefficients[&i - _inputs.data()].name == what; });
     if (found == _inputs.end() || o.num_components != (1 + gdim) * found->size)
       throw std::invalid_argument("the law of the interface has a derivative that does not fit: " + name);
     _derivatives.emplace_back(*found, o.offset);
@@ -92,8 +92,7 @@ InterfaceLaw::Input InterfaceLaw::input(const impact_coefficient& c) const
   const std::string name = c.name;
   Input out{Source::gap, 0, c.element.num_dofs, c.offset};
   for (int k = 0; k < _kernel->num_outputs; ++k)
-    if (const impact_output& o = _kernel->outputs[k];
-        o.coefficient >= 0 && &_kernel->coefficients[o.coefficient] == &c)
+    if (const impact_output& o = _kernel->outputs[k]; o.coefficient >= 0 && &_kernel->coefficients[o.coefficient] == &c)
     {
       const auto same = [&](const InterfaceHistory::Variable& v) { return v.name == o.name; };
       out.source = Source::variable;

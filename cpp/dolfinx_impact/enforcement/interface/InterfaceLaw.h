@@ -96,7 +96,7 @@ private:
   InterfaceHistory _history; ///< variables without points
   std::vector<Input> _inputs;
   std::vector<Output> _variables;
-  std::vector<std::pair<Input, int>> _derivatives; ///< input, and offset of the output
+  std::vector<std::pair<Input, int>> _derivatives;                                 ///< input, and offset of the output
   int _pressure = -1, _shear = -1, _energy = -1, _shear_energy = -1, _sticks = -1; ///< offsets of outputs
   bool _has_rates = false, _has_shear = false;
 };

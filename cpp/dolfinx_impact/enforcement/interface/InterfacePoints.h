@@ -35,13 +35,13 @@ struct InterfaceDerivative
 /// What a law returns at contact points. Vectors: [q*gdim + c].
 struct InterfaceTractions
 {
-  std::vector<double> pressure;  ///< positive in compression [F/L^2]
-  std::vector<double> shear;     ///< traction on the slave along the surface [F/L^2]
-  std::vector<double> energy;    ///< stored per area; empty: the law does not know it [F/L]
+  std::vector<double> pressure;     ///< positive in compression [F/L^2]
+  std::vector<double> shear;        ///< traction on the slave along the surface [F/L^2]
+  std::vector<double> energy;       ///< stored per area; empty: the law does not know it [F/L]
   std::vector<double> shear_energy; ///< without `energy`, its part of the shear traction; empty: not known [F/L]
-  std::vector<double> sticks;    ///< one or zero; empty: the law does not say
+  std::vector<double> sticks;       ///< one or zero; empty: the law does not say
   InterfaceDerivative by_gap, by_slip, by_gap_rate, by_slip_rate, by_normal;
   std::vector<InterfaceDerivative> by_history; ///< of each internal variable; empty but for tangential ones
-  std::int64_t num_unsolved = 0; ///< points whose local equations were not solved
+  std::int64_t num_unsolved = 0;               ///< points whose local equations were not solved
 };
 } // namespace dolfinx_impact::enforcement

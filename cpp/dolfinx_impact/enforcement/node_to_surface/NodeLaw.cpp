@@ -73,7 +73,7 @@ void NodeLaw::gather_fields()
 {
   for (std::size_t f = 0; f < _field_values.size(); ++f)
   {
-    const auto given = _law->fields()[f].function->x()->array();
+    const std::span<const double> given = _law->fields()[f].function->x()->array();
     for (std::size_t node = 0; node < _owned_numbers.size(); ++node)
       if (_owned_numbers[node] >= 0)
         _field_values[f][_owned_numbers[node]] = given[node];
@@ -97,8 +97,15 @@ void NodeLaw::find_points(const NodalState& state)
     _found.push_back(point);
     const double* n = point.at.normal;
     double* motion = _motion.data() + p * D;
+    double increment[D] = {};
+    if (_rigid)
+    {
+      double x[D];
+      position(i, state.u.data(), x);
+      obstacle_increment(x, increment);
+    }
     for (int c = 0; c < D; ++c)
-      motion[c] = state.du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+      motion[c] = state.du[std::size_t(point.node) * D + c] - increment[c];
     for (int j = 0; j < point.num; ++j)
       for (int c = 0; c < D; ++c)
         motion[c] -= point.phi[j] * masters[point.corners[j]].du[c];
@@ -158,11 +165,10 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
   for (int c = 0; c < D && _begun; ++c)
     shear_work -= 0.5 * (last[c] + shear[c]) * (motion[c] - along * n[c]);
   const double shear_stored = _tractions.shear_energy.empty() ? 0.0 : _tractions.shear_energy[p];
-  const double stored = _law->has_energy() ? _tractions.energy[p]
-                                           : _last_stored[i] + normal_work +
-                                                 (_tractions.shear_energy.empty()
-                                                      ? shear_work
-                                                      : shear_stored - _last_shear_stored[i]);
+  const double stored = _law->has_energy()
+                            ? _tractions.energy[p]
+                            : _last_stored[i] + normal_work +
+                                  (_tractions.shear_energy.empty() ? shear_work : shear_stored - _last_shear_stored[i]);
   // What is stored where the run begins was not done by it.
   const double dissipated = _begun ? area * (normal_work + shear_work - (stored - _last_stored[i])) : 0.0;
   if (_law->has_shear())
@@ -181,8 +187,8 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
     _results.slip[i * D + c] = _points.slip[p * D + c];
     _results.traction[i * D + c] = pressure * n[c] + shear[c];
     f[std::size_t(point.node) * D + c] += force[c];
-    _force[c] += force[c];
   }
+  add_to_sums(i, state.u.data(), force);
   Sum* sums = _master_force.data();
   for (int j = 0; j < point.num; ++j)
     for (int c = 0; c < D; ++c)
@@ -229,6 +235,7 @@ void NodeLaw::add_all(const NodalState& state, std::span<double> f)
 void NodeLaw::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
+  _force_moment.fill(0.0);
   _energy.stored = 0.0;
   if (!_rigid)
   {

@@ -54,16 +54,16 @@ private:
 
   std::shared_ptr<const InterfaceLaw> _law;
   InterfaceHistory _history; ///< by slave node
-  bool _begun = false; ///< was there a step?
+  bool _begun = false;       ///< was there a step?
   // Of the last step, by slave node.
   std::vector<double> _last_pressure, _last_shear, _last_normal, _last_motion, _last_stored, _last_shear_stored;
   // Of the present step, by node in reach.
   std::vector<ContactPoint> _found;
   InterfacePoints _points;
   InterfaceTractions _tractions;
-  std::vector<double> _motion;                     ///< increment relative to the master [L]
-  std::vector<std::vector<double>> _field_values;  ///< of each field, by number in the Halo
-  std::vector<std::int32_t> _owned_numbers;        ///< in the Halo, of the owned nodes of the space
+  std::vector<double> _motion;                    ///< increment relative to the master [L]
+  std::vector<std::vector<double>> _field_values; ///< of each field, by number in the Halo
+  std::vector<std::int32_t> _owned_numbers;       ///< in the Halo, of the owned nodes of the space
   struct alignas(32) Sum
   {
     double force[4] = {};

@@ -37,8 +37,8 @@ double largest(const InterfaceDerivative& d)
 LawPoints::LawPoints(std::shared_ptr<const InterfaceLaw> law, std::size_t num_points)
     : _law(std::move(law)), _gdim(_law->gdim()), _last_gap(num_points, std::numeric_limits<double>::infinity()),
       _last_pressure(num_points, 0.0), _last_shear(num_points * _gdim, 0.0), _last_stored(num_points, 0.0),
-      _last_shear_stored(num_points, 0.0), _history(_law->make_history(num_points)), _place(num_points, -1), _acts(num_points, 0),
-      _points(_law->make_points(0))
+      _last_shear_stored(num_points, 0.0), _history(_law->make_history(num_points)), _place(num_points, -1),
+      _acts(num_points, 0), _points(_law->make_points(0))
 {
 }
 
@@ -115,8 +115,8 @@ void LawPoints::evaluate(const gap::Points& points, const Motion& motion, const 
       _shear[p * gdim + c] = shear[c] - along * n[c];
       any |= shear[c] != 0.0;
     }
-    for (const InterfaceDerivative* d : {&_tractions.by_gap, &_tractions.by_slip, &_tractions.by_gap_rate,
-                                         &_tractions.by_slip_rate})
+    for (const InterfaceDerivative* d :
+         {&_tractions.by_gap, &_tractions.by_slip, &_tractions.by_gap_rate, &_tractions.by_slip_rate})
       any = any || nonzero(*d, p);
     _acts[q] = any;
   }
@@ -199,8 +199,8 @@ void LawPoints::traction_derivative(std::size_t q, const Variation& v, const dou
     for (int c = 0; c < gdim; ++c)
       d_along += n[c] * out[(1 + c) * num + j] + v.d_normal[c * num + j] * shear[c];
     for (int c = 0; c < gdim; ++c)
-      dz[c * num + j] = out[j] * n[c] + (pressure - shear_n) * v.d_normal[c * num + j] + out[(1 + c) * num + j] -
-                        n[c] * d_along;
+      dz[c * num + j] =
+          out[j] * n[c] + (pressure - shear_n) * v.d_normal[c * num + j] + out[(1 + c) * num + j] - n[c] * d_along;
   }
 }
 
@@ -231,7 +231,8 @@ double LawPoints::stored(std::size_t q) const
   if (_law->has_energy())
     return _tractions.energy[p];
   const Work done = work(q);
-  const double shear = _tractions.shear_energy.empty() ? done.shear : _tractions.shear_energy[p] - _last_shear_stored[q];
+  const double shear =
+      _tractions.shear_energy.empty() ? done.shear : _tractions.shear_energy[p] - _last_shear_stored[q];
   return _last_stored[q] + done.normal + shear;
 }
 

@@ -100,9 +100,10 @@ private:
   InterfaceTractions _tractions;
   std::vector<double> _shear;     ///< along the surface [F/L^2]
   std::vector<double> _increment; ///< [L]
-  std::vector<double> _slip_before, _slip_turned; ///< slip of the last converged state, and in the present tangent plane
+  std::vector<double> _slip_before,
+      _slip_turned;                    ///< slip of the last converged state, and in the present tangent plane
   std::vector<std::int8_t> _knows_gap; ///< does the rate of the gap follow from the last gap?
-  double _begun = 0.0; ///< one after `begin`; a number, as it is saved
+  double _begun = 0.0;                 ///< one after `begin`; a number, as it is saved
   bool _accepted = true;               ///< is the last evaluation the last converged state?
 };
 } // namespace dolfinx_impact::enforcement

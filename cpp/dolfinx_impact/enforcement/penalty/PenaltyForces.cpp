@@ -102,7 +102,7 @@ void PenaltyForces::evaluate_law()
   double shape[surface::FacetElement::max_nodes];
   for (const InterfaceField& field : _law->law().fields())
   {
-    const auto given = field.function->x()->array();
+    const std::span<const double> given = field.function->x()->array();
     std::vector<double> values(nodes->size_local() + nodes->num_ghosts(), 0.0);
     std::copy_n(given.begin(), std::min(given.size(), std::size_t(nodes->size_local())), values.begin());
     values = operators::from_owners(nodes, std::move(values), 1);

@@ -18,10 +18,10 @@ public:
   /// What a pair consists of, and where its points are.
   struct Setup
   {
-    std::shared_ptr<const surface::FunctionSpace> V; ///< displacement space
-    surface::Facets slave;                           ///< this rank's facets (make_surface)
-    std::span<const double> points, weights;         ///< rule on the slave's reference facet
-    bool axisymmetric = false;                       ///< x is the radius
+    std::shared_ptr<const surface::FunctionSpace> V;   ///< displacement space
+    surface::Facets slave;                             ///< this rank's facets (make_surface)
+    std::span<const double> points, weights;           ///< rule on the slave's reference facet
+    bool axisymmetric = false;                         ///< x is the radius
     std::shared_ptr<const InterfaceLaw> law = nullptr; ///< in the place of the penalties; null: none
   };
 
