@@ -54,10 +54,22 @@ void bind_crossing(nb::module_& m)
 
 void dolfinx_impact::bindings::gap(nb::module_& m)
 {
+  nb::class_<GapAdjustment>(m, "GapAdjustment", "How gaps differ from the distances of meshed surfaces")
+      .def(
+          "__init__",
+          [](GapAdjustment* self, double offset, std::optional<double> clearance, std::optional<double> adjust)
+          { new (self) GapAdjustment{offset, clearance, adjust}; }, nb::kw_only(), nb::arg("offset") = 0.0,
+          nb::arg("clearance") = nb::none(), nb::arg("adjust") = nb::none())
+      .def_ro("offset", &GapAdjustment::offset)
+      .def_ro("clearance", &GapAdjustment::clearance)
+      .def_ro("adjust", &GapAdjustment::adjust);
   nb::class_<InitialPenetration>(m, "InitialPenetration", "Penetrations in the reference configuration")
       .def_prop_ro("num_points", &InitialPenetration::num_points)
       .def_prop_ro("depth", &InitialPenetration::depth)
       .def_prop_ro("where", &InitialPenetration::where)
+      .def_prop_ro("num_adjusted", &InitialPenetration::num_adjusted)
+      .def_prop_ro("largest_adjustment", &InitialPenetration::largest_adjustment)
+      .def_prop_ro("where_adjusted", &InitialPenetration::where_adjusted)
       .def_prop_ro(
           "offset", [](const InitialPenetration& p) { return copy(p.offset(), {p.offset().size()}); },
           nb::rv_policy::move)

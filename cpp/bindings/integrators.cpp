@@ -105,6 +105,9 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("energies", [](CentralDifference& self) { return row(self.energies()); })
       .def("motion", [](CentralDifference& self, MutableValues v, MutableValues a) { self.motion(span(v), span(a)); })
       .def(
+          "support_forces", [](CentralDifference& self) { return take(self.support_forces()); }, nb::rv_policy::move,
+          "Forces of the supports on the bodies, owned. Collective")
+      .def(
           "displacement",
           [](const CentralDifference& self)
           {

@@ -51,6 +51,7 @@ NB_MODULE(_cpp, m)
   nb::module_ rolling = m.def_submodule("rolling", "Steady rolling in the ALE frame");
   dolfinx_impact::bindings::rolling(rolling);
   nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");
+  dolfinx_impact::bindings::amplitudes(problems);
   dolfinx_impact::bindings::bodies(problems);
   dolfinx_impact::bindings::problems(problems);
   dolfinx_impact::bindings::static_problem(problems);

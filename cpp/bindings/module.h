@@ -30,6 +30,7 @@ void explicit_tie(nanobind::module_& m);
 void mortar_geometry(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
 void solve(nanobind::module_& m);
+void amplitudes(nanobind::module_& m);
 void bodies(nanobind::module_& m);
 void search(nanobind::module_& m);
 void penalty(nanobind::module_& m);

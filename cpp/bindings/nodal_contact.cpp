@@ -9,6 +9,7 @@
 #include <numeric>
 
 using namespace dolfinx_impact::enforcement;
+using dolfinx_impact::gap::GapAdjustment;
 using dolfinx_impact::gap::Rigid;
 using dolfinx_impact::operators::Halo;
 using dolfinx_impact::surface::Facets;
@@ -92,23 +93,29 @@ nb::typed<nb::dict, std::string, double> energies(const ContactEnergy& e)
 template <typename Master>
 void construct_penalty(NodePenalty* self, const FunctionSpace& V, const Facets& slave, const Master& master,
                        double friction, double penalty, double kappa, double share, double search_distance,
-                       bool axisymmetric, bool by_step)
+                       bool axisymmetric, bool by_step, std::string name, const GapAdjustment& adjustment)
 {
-  new (self) NodePenalty(V, slave, master, {{friction, search_distance, axisymmetric}, penalty, kappa, share, by_step});
+  new (self) NodePenalty(
+      V, slave, master,
+      {{friction, search_distance, axisymmetric, std::move(name), adjustment}, penalty, kappa, share, by_step});
 }
 
 template <typename Master>
 void construct_law(NodeLaw* self, const FunctionSpace& V, const Facets& slave, const Master& master,
-                   std::shared_ptr<const InterfaceLaw> law, double friction, double search_distance, bool axisymmetric)
+                   std::shared_ptr<const InterfaceLaw> law, double friction, double search_distance, bool axisymmetric,
+                   std::string name, const GapAdjustment& adjustment)
 {
-  new (self) NodeLaw(V, slave, master, std::move(law), {friction, search_distance, axisymmetric});
+  new (self)
+      NodeLaw(V, slave, master, std::move(law), {friction, search_distance, axisymmetric, std::move(name), adjustment});
 }
 
 template <typename Master>
 void construct_kinematic(KinematicContact* self, const FunctionSpace& V, const Facets& slave, const Master& master,
-                         double friction, int sweeps, double search_distance, bool axisymmetric)
+                         double friction, int sweeps, double search_distance, bool axisymmetric, std::string name,
+                         const GapAdjustment& adjustment)
 {
-  new (self) KinematicContact(V, slave, master, {{friction, search_distance, axisymmetric}, sweeps});
+  new (self) KinematicContact(V, slave, master,
+                              {{friction, search_distance, axisymmetric, std::move(name), adjustment}, sweeps});
 }
 } // namespace
 
@@ -195,18 +202,23 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
             return std::pair(p.node, p.facets);
           },
           "Local number (-1: none) of the slave node that went through the master fastest, facets per step")
-      .def("counters", &counters);
+      .def("counters", &counters)
+      .def_prop_ro(
+          "initial", [](const NodeToSurface& self) { return self.initial(); },
+          "Penetrations in the reference configuration, where gaps are adjusted");
 
   const NodePenaltyOptions p;
   nb::class_<NodePenalty, NodeToSurface>(m, "NodePenalty", "Springs between slave nodes and the master")
       .def("__init__", &construct_penalty<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
            nb::arg("share") = p.share, nb::arg("search_distance") = p.search_distance,
-           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step)
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step, nb::arg("name") = p.name,
+           nb::arg("adjustment") = p.adjustment)
       .def("__init__", &construct_penalty<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = p.friction, nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa,
            nb::arg("share") = p.share, nb::arg("search_distance") = p.search_distance,
-           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step)
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step, nb::arg("name") = p.name,
+           nb::arg("adjustment") = p.adjustment)
       .def(
           "add_forces",
           [](NodePenalty& self, const Halo& halo, Values u, Values du, Values inverse_mass, double dt, MutableValues f,
@@ -225,19 +237,21 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
   nb::class_<NodeLaw, NodeToSurface>(m, "NodeLaw", "A law of the interface at slave nodes")
       .def("__init__", &construct_law<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("law"),
            nb::arg("friction") = p.friction, nb::arg("search_distance") = p.search_distance,
-           nb::arg("axisymmetric") = p.axisymmetric)
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("name") = p.name, nb::arg("adjustment") = p.adjustment)
       .def("__init__", &construct_law<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("law"),
            nb::arg("friction") = p.friction, nb::arg("search_distance") = p.search_distance,
-           nb::arg("axisymmetric") = p.axisymmetric);
+           nb::arg("axisymmetric") = p.axisymmetric, nb::arg("name") = p.name, nb::arg("adjustment") = p.adjustment);
 
   const KinematicContactOptions k;
   nb::class_<KinematicContact, NodeToSurface>(m, "KinematicContact", "Forces that correct a predicted step")
       .def("__init__", &construct_kinematic<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = k.friction, nb::arg("sweeps") = k.sweeps,
-           nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric)
+           nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric,
+           nb::arg("name") = k.name, nb::arg("adjustment") = k.adjustment)
       .def("__init__", &construct_kinematic<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = k.friction, nb::arg("sweeps") = k.sweeps,
-           nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric)
+           nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric,
+           nb::arg("name") = k.name, nb::arg("adjustment") = k.adjustment)
       .def(
           "correct",
           [](KinematicContact& self, Halo& halo, MutableValues u, Values du, Values inverse_mass, double h, double dt,
@@ -336,13 +350,16 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
   m.def(
       "balanced_penalty",
       [](const FunctionSpace& V, const Facets& slave, const Facets& master, double friction, double penalty,
-         double kappa, double search_distance, bool axisymmetric, bool by_step)
+         double kappa, double search_distance, bool axisymmetric, bool by_step, std::string name,
+         const GapAdjustment& adjustment)
       {
-        return balanced_penalty(V, slave, master,
-                                {{friction, search_distance, axisymmetric}, penalty, kappa, 1.0, by_step});
+        return balanced_penalty(
+            V, slave, master,
+            {{friction, search_distance, axisymmetric, std::move(name), adjustment}, penalty, kappa, 1.0, by_step});
       },
       nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("friction") = p.friction,
       nb::arg("penalty") = p.penalty, nb::arg("kappa") = p.kappa, nb::arg("search_distance") = p.search_distance,
-      nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step,
+      nb::arg("axisymmetric") = p.axisymmetric, nb::arg("by_step") = p.by_step, nb::arg("name") = p.name,
+      nb::arg("adjustment") = p.adjustment,
       "Both directions of contact by penalty, each with half of the stiffness. Collective");
 }

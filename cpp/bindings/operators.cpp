@@ -9,6 +9,7 @@
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
 #include "dolfinx_impact/operators/nodal_averages.h"
+#include "dolfinx_impact/operators/resultant.h"
 #include "masks.h"
 #include "petsc_objects.h"
 #include <dolfinx/la/Vector.h>
@@ -193,6 +194,16 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       },
       nb::arg("V"), nb::arg("points"), nb::arg("weights"), nb::arg("values"), nb::rv_policy::move,
       "Averages at the nodes of values at quadrature points, at owned nodes. Collective");
+  m.def(
+      "resultant",
+      [](const FunctionSpace& V, Values u, Values forces, Indices dofs, std::array<double, 3> point)
+      {
+        const Resultant r =
+            resultant(V, {u.data(), u.size()}, {forces.data(), forces.size()}, {dofs.data(), dofs.size()}, point);
+        return std::pair(r.force, r.moment);
+      },
+      nb::arg("V"), nb::arg("u"), nb::arg("forces"), nb::arg("dofs"), nb::arg("point"),
+      "Force and moment of nodal forces, of all ranks. Collective");
   m.def(
       "cell_masses_hrz", [](const Integral& mass, const FunctionSpace& V, const Coefficients& coefficients)
       { return bindings::take(cell_masses_hrz(mass, V, coefficients)); }, nb::arg("mass"), nb::arg("V"),

@@ -223,7 +223,7 @@ void bind_parts(nb::module_& m)
       .def_rw("max_augmentations", &PenaltyOptions::max_augmentations)
       .def_rw("quadrature_degree", &PenaltyOptions::quadrature_degree)
       .def_rw("search_distance", &PenaltyOptions::search_distance)
-      .def_rw("remove_penetration", &PenaltyOptions::remove_penetration)
+      .def_rw("adjustment", &PenaltyOptions::adjustment)
       .def_rw("axisymmetric", &PenaltyOptions::axisymmetric)
       .def_rw("law", &PenaltyOptions::law, nb::arg("law").none(),
               "A law of the interface instead; None: there is none");

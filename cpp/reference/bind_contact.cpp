@@ -131,7 +131,7 @@ public:
   auto tuple(const ContactPoints& p) const
   {
     return std::make_tuple(p.gap, p.normal, integers(p.facet), p.xi, p.position, p.weight, p.pressure, p.traction,
-                           integers(p.status));
+                           integers(p.status), Integers(p.beside));
   }
 
   ContactState state(const State& s) const
@@ -180,6 +180,13 @@ void bind_contact(nb::module_& m)
             new (self) Bound(model, slave, master, list, friction, prescribed, search_distance);
           },
           nb::keep_alive<1, 2>())
+      .def("shift_gaps",
+           [](Bound& s, V shift)
+           {
+             if (not shift.allFinite())
+               throw std::invalid_argument("what is added to gaps must be finite");
+             s.pair_.gap_shift = shift;
+           })
       .def_prop_ro("num_facets", [](const Bound& s) { return s.pair_.slave.facets.size(); })
       .def("penalty",
            [](const Bound& s, P points, V weights, V displacement, V u, double chi, double chi_t, V history_u,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "bindings.h"
 #include "contact_explicit.h"
+#include <array>
 
 namespace nb = nanobind;
 
@@ -39,6 +40,14 @@ NodePairs node_pairs(const Model& model, const Cells& slave, const Cells& master
           displacement};
 }
 
+// Layers, clearance and limit of gaps that are adjusted; what is not a number is not given.
+void adjust(NodePairs& pairs, const std::array<double, 3>& gaps, double distance)
+{
+  const auto given = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
+  if (gaps[0] != 0 or given(gaps[1]) or given(gaps[2]))
+    pairs.adjust_gaps(gaps[0], given(gaps[1]), given(gaps[2]), std::isnan(distance));
+}
+
 void check_friction(double friction)
 {
   if (not(friction >= 0) or not std::isfinite(friction))
@@ -72,9 +81,9 @@ void bind_explicit(nb::module_& m)
       .def(
           "__init__",
           [](NodalPenalty* self, const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
-             double search_distance, V mass, P displacement, P slave_normals, P master_normals, double friction,
-             double penalty, bool balanced, P points, V weights, P mass_points, V mass_weights,
-             const std::string& lumping, const std::vector<PlasticBody*>& plastic,
+             double search_distance, V mass, P displacement, P slave_normals, P master_normals,
+             const std::array<double, 3>& gaps, double friction, double penalty, bool balanced, P points, V weights,
+             P mass_points, V mass_weights, const std::string& lumping, const std::vector<PlasticBody*>& plastic,
              const std::vector<std::shared_ptr<RigidBall>>& ball, double stiffness_step)
           {
             check_friction(friction);
@@ -89,6 +98,8 @@ void bind_explicit(nb::module_& m)
             if (balanced)
               pairs.push_back(
                   node_pairs(model, master, slave, obstacle, search_distance, mass, displacement, slave_normals));
+            for (NodePairs& one : pairs)
+              adjust(one, gaps, search_distance);
             if (penalty == 0)
             {
               const Sampler sampler = model.sampler({points, weights});
@@ -119,14 +130,15 @@ void bind_explicit(nb::module_& m)
           "__init__",
           [](NodalKinematic* self, const Model& model, const Cells& slave, const Cells& master,
              const Obstacles& obstacle, double search_distance, V mass, P displacement, P, P master_normals,
-             double friction, int sweeps)
+             const std::array<double, 3>& gaps, double friction, int sweeps)
           {
             check_friction(friction);
             if (sweeps < 1)
               throw std::invalid_argument("kinematic contact needs at least one sweep");
-            new (self) NodalKinematic(
-                node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals),
-                friction, sweeps);
+            NodePairs pairs =
+                node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals);
+            adjust(pairs, gaps, search_distance);
+            new (self) NodalKinematic(std::move(pairs), friction, sweeps);
           },
           nb::keep_alive<1, 2>());
   nb::class_<ContactHistories>(m, "ContactHistories")

@@ -19,6 +19,7 @@ struct ContactPair
   double friction = 0;               ///< Coulomb's coefficient [1]
   std::vector<bool> prescribed = {}; ///< (num_dofs) true where the displacement is prescribed
   double search_distance = std::numeric_limits<double>::infinity(); ///< [L]
+  Vector gap_shift = {}; ///< added to the gaps of the slave's points, (num_points) or empty [L]
 
   double size() const; ///< longest side of the box around the model [L]
 };
@@ -66,6 +67,7 @@ struct ContactPoints
   Vector pressure;                 ///< [F/L^2]
   Matrix traction;                 ///< tangential (num_points, gdim) [F/L^2]
   std::vector<ContactStatus> status;
+  Flags beside; ///< 1 beside the master's rim, where gaps are not shifted
 };
 
 struct Penalty

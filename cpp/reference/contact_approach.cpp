@@ -48,6 +48,32 @@ Configuration::Configuration(const NodePairs& pairs, const Vector& u, const Vec<
 
 Meeting Configuration::meet(std::size_t i, const Vector& moved, bool closed) const
 {
+  Meeting m = meet_surface(i, moved, closed);
+  if (not pairs_.shift_.empty() and not m.beside)
+    m.gap += pairs_.shift_[i];
+  return m;
+}
+
+void NodePairs::adjust_gaps(double layers, std::optional<double> clearance, std::optional<double> adjust,
+                            bool default_distance)
+{
+  if (layers > 0 and default_distance)
+    search_distance_ = layers + 2 * search_distance_;
+  const Vector rest = Vector::Zero(num_dofs());
+  const Configuration undeformed(*this, rest, {});
+  std::vector<double> shift;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+  {
+    const Meeting met = undeformed.meet(i, rest, false);
+    const double meshed = met.gap, gap = meshed - layers;
+    const bool chosen = std::isfinite(meshed) and not met.beside and (adjust ? gap <= *adjust : clearance.has_value());
+    shift.push_back(chosen ? clearance.value_or(0) - meshed : -layers);
+  }
+  shift_ = std::move(shift);
+}
+
+Meeting Configuration::meet_surface(std::size_t i, const Vector& moved, bool closed) const
+{
   Meeting m;
   const std::int64_t node = pairs_.nodes_[i];
   m.x = pairs_.position(u_, node);

@@ -44,6 +44,11 @@ public:
   NodePairs(const Model& model, Surface slave, Surface master, std::optional<Rigid> rigid,
             std::optional<double> search_distance, const Vector& mass, const Matrix& displacement);
 
+  /// From now on gaps are less by the thickness of layers; nodes whose gap at rest is then at most `adjust` (without a
+  /// value: all with a master, if there is a clearance) have the clearance, or without one no gap. Without a search
+  /// distance, layers and two of the largest facets take its place.
+  void adjust_gaps(double layers, std::optional<double> clearance, std::optional<double> adjust, bool default_distance);
+
   const std::vector<std::int64_t>& nodes() const { return nodes_; }
   int gdim() const { return model_.gdim(); }
   std::int64_t num_dofs() const { return model_.num_dofs(); }
@@ -87,6 +92,7 @@ private:
   std::optional<Rigid> rigid_;
   std::shared_ptr<RigidBall> ball_;
   double search_distance_ = 0;
+  std::vector<double> shift_; // added to the gap, per slave node; empty: nothing [L]
   Vector mass_;
   Matrix displacement_;
   std::vector<std::int64_t> nodes_;
@@ -111,6 +117,8 @@ public:
   Meeting meet(std::size_t i, const Vector& moved, bool closed) const;
 
 private:
+  Meeting meet_surface(std::size_t i, const Vector& moved, bool closed) const;
+
   const NodePairs& pairs_;
   Vector u_;
   Vec<double> obstacle_;

@@ -10,7 +10,7 @@ namespace
 
 struct PointData
 {
-  double chi, chi_t, friction, multiplier, tolerance;
+  double chi, chi_t, friction, multiplier, tolerance, shift;
   bool touched;
   Vec<double> traction_n, slip_n;
 };
@@ -96,7 +96,8 @@ public:
            Vector::Zero(count),
            Vector::Zero(count),
            Matrix::Zero(count, d),
-           std::vector<ContactStatus>(count, ContactStatus::open)};
+           std::vector<ContactStatus>(count, ContactStatus::open),
+           Flags::Zero(count)};
     result.history.u = u_;
     if (pair_.rigid)
       result.history.displacement = pair_.rigid->displacement;
@@ -107,6 +108,7 @@ public:
                            pair_.friction,
                            multiplier.size() ? multiplier(i) : 0,
                            tolerance_,
+                           pair_.gap_shift.size() ? pair_.gap_shift(i) : 0,
                            history_.touched(i) != 0,
                            get(history_.traction, i),
                            get(history_.slip, i)};
@@ -155,6 +157,7 @@ private:
       gap = g.gap;
       normal = g.normal;
       fm = g.f;
+      out.beside(i) = foot.beside;
       const auto master_before = gather(pair_.master, *other, history_.u);
       for (std::size_t l = 0; l < um.size(); ++l)
         moved = moved - fm.N[l] * (um[l] - constant<T>(master_before[l]));
@@ -162,6 +165,8 @@ private:
       for (int c = 0; c < out.xi.cols(); ++c)
         out.xi(i, c) = foot.xi[c];
     }
+    if (out.beside(i) == 0)
+      gap = gap + T(data.shift);
     out.gap(i) = value(gap);
     put(out.normal, i, normal);
     T p = data.multiplier - data.chi * gap;
@@ -190,19 +195,19 @@ private:
   }
 
   // Gap of a point of the slave in state n.
-  double gap_n(const Facet& facet, const Local& xi) const
+  double gap_n(const Facet& facet, const Local& xi, double shift) const
   {
     const auto before = gather(pair_.slave, facet, history_.u);
     const Spot<double> s = spot(pair_.slave, facet, before, {xi[0], xi[1]});
     if (pair_.rigid)
-      return gap_and_normal<double>(*pair_.rigid, history_.displacement, s.x).gap;
+      return gap_and_normal<double>(*pair_.rigid, history_.displacement, s.x).gap + shift;
     if (not projector_n_)
       throw std::logic_error("a deformable master without a projector of state n");
     const Foot foot = projector_n_->closest(s.x, s.normal());
     if (foot.facet < 0)
       return std::numeric_limits<double>::infinity();
     const auto master = gather(pair_.master, pair_.master.facets[foot.facet], history_.u);
-    return projector_n_->follow(foot, master, s.x).gap;
+    return projector_n_->follow(foot, master, s.x).gap + (foot.beside ? 0 : shift);
   }
 
   // How much of the step comes after closing, if lambda - chi g changes evenly in the step.
@@ -210,7 +215,7 @@ private:
   {
     if (data.touched)
       return T(1);
-    const double g = gap_n(facet, xi), lacking = data.chi * g - data.multiplier;
+    const double g = gap_n(facet, xi, data.shift), lacking = data.chi * g - data.multiplier;
     if (g <= data.tolerance or lacking <= 0)
       return T(1);
     return std::isfinite(g) ? p / (p + T(lacking)) : T(0);

@@ -278,7 +278,8 @@ Foot Projector::closest(const Vec<double>& x, const Vec<double>& normal) const
   // Nodes of a plane of symmetry are under the rim; under a facet tilted against the plane, not quite.
   const double size = 1.2 * radii_[best.facet], depth = std::abs(dot(d, n));
   const double under = 1e-9 * size + (depth < 0.05 * size ? std::tan(5.0 * std::numbers::pi / 180.0) * depth : 0.0);
-  if (best.sign < 0 and norm(d - dot(d, n) * n) > under and on_rim(best))
+  best.beside = norm(d - dot(d, n) * n) > under and on_rim(best);
+  if (best.sign < 0 and best.beside)
     return {};
   return best;
 }

@@ -14,6 +14,7 @@ struct Foot
   std::vector<std::int64_t> corners; ///< geometry vertices of the edge, or the vertex; empty in the interior
   double distance = 0;               ///< not negative [L]
   double sign = 1;                   ///< of the gap
+  bool beside = false;               ///< the point lies beside the rim, where the master ends
 };
 
 /// Gap, normal and place on the master, with derivatives.

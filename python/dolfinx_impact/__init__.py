@@ -8,7 +8,7 @@ closed-form solutions, and `verify`, a package beside this one, compares it with
 
 from .compat import model_to_mesh  # first: it refuses a DOLFINx that this package was not tried on
 from . import _cpp, forms, theory, verify
-from .amplitude import PrescribedMotion
+from .amplitude import AmplitudeTable, PrescribedMotion
 from .common.lone_error import abort_at_exit
 from .common.moved_packages import find_moved_modules
 from .common.units import MILLIMETRES, SI, Units
@@ -37,6 +37,7 @@ from .foundation import Foundation
 from .added_mass import AddedMass
 from .assembly.lumped_mass import lumped_mass
 from .assembly.quadrature_degree import quadrature_degree
+from .assembly.section_force import section_force
 from .forms.cell_maximum import cell_max
 from .inelastic import InelasticMaterial, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
@@ -56,6 +57,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "AddedMass",
+    "AmplitudeTable",
     "ArmstrongFrederick",
     "BodyForce",
     "DeformedBody",
@@ -113,6 +115,7 @@ __all__ = [
     "operators",
     "quadrature_degree",
     "read_mesh",
+    "section_force",
     "theory",
     "verify",
 ]

@@ -153,7 +153,8 @@ class BodyForce(_Load):
         vector: components of the acceleration [L/T^2], or with `per_mass=False` of the force per undeformed volume
             [F/L^3]; or a UFL expression of the place and of functions, for a varying one.
         per_mass: whether `vector` is a force per mass; False: per volume.
-        amplitude: factor in problems in time, a function of time or a pair (times, values); None: one [1].
+        amplitude: factor in problems in time: a function of time, an AmplitudeTable or a pair (times, values);
+            None: one [1].
 
     Raises:
         TypeError: `per_mass` is neither True nor False.
@@ -247,7 +248,8 @@ class Traction(_FacetLoad):
         tag: tag of the loaded facets.
         vector: components per reference area [F/L^2]; or a UFL expression of the place and of functions, for one that
             varies.
-        amplitude: factor in explicit problems, a function of time or a pair (times, values); None: one [1].
+        amplitude: factor in problems in time: a function of time, an AmplitudeTable or a pair (times, values);
+            None: one [1].
 
     Raises:
         ValueError: the tag does not exist, wrong number of components; on all ranks.

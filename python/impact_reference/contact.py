@@ -100,6 +100,7 @@ class Points:
     pressure: FloatArray  # (num_points) [F/L^2]
     traction: FloatArray  # tangential (num_points, gdim) [F/L^2]
     status: IntArray  # 0 open, 1 stick, 2 slip (num_points)
+    beside: IntArray  # 1 beside the master's rim, where layers and adjusted gaps do not count (num_points)
 
 
 @dataclass
@@ -198,6 +199,10 @@ class Contact:
             or triangles that the facets are divided into.
         prescribed: degrees of freedom with Dirichlet values, which the normals of mortar contact respect.
         search_distance: masters further away are ignored; None for no limit [L].
+        offset: of the penalty method: thickness of layers on both surfaces, gaps are less by it [L].
+        clearance: of the penalty method: gap at rest of the points that are adjusted; None: zero [L].
+        adjust: of the penalty method: points whose gap at rest is at most this are adjusted; None: with a clearance all
+            that have a master, else none [L].
 
     Raises:
         ValueError: facets that are repeated or not on the boundary, or numbers out of range.
@@ -213,6 +218,9 @@ class Contact:
         rule: Rule | float = None,
         prescribed: ArrayLike = (),
         search_distance: float | None = None,
+        offset: float = 0.0,
+        clearance: float | None = None,
+        adjust: float | None = None,
     ) -> None:
         self.model, self.friction, self.rule = model, float(friction), rule
         self.gdim = model.field_points.shape[1]
@@ -228,6 +236,26 @@ class Contact:
         self._contact = self._compiled(self.friction)
         self.facet_rule = self._resolve(rules.facet_type(model.cell_type), 2 * model.degree + 2)
         self.num_points: int = self._contact.num_facets * len(self.facet_rule[1])
+        self.gap_shift: FloatArray = np.zeros(0)
+        if offset != 0.0 or clearance is not None or adjust is not None:
+            self.gap_shift = self._shift(offset, clearance, adjust)
+            self._contact.shift_gaps(self.gap_shift)
+
+    def _shift(self, offset: float, clearance: float | None, adjust: float | None) -> FloatArray:
+        """What is added to the gaps of the points, from those at rest, an obstacle where it was made."""
+        kept = None if self.obstacle is None else self.obstacle.displacement
+        if self.obstacle is not None:
+            self.obstacle.displacement = 0.0
+        at_rest = self.closest_points(np.zeros(self.model.num_dofs))
+        if self.obstacle is not None and kept is not None:
+            self.obstacle.displacement = kept
+        meshed = at_rest.gap
+        chosen = (
+            np.isfinite(meshed)
+            & (at_rest.beside == 0)
+            & (clearance is not None if adjust is None else meshed - offset <= adjust)
+        )
+        return np.where(chosen, (clearance or 0.0) - np.where(chosen, meshed, 0.0), -offset)
 
     def _compiled(self, friction: float) -> _reference.Contact:
         return _reference.Contact(

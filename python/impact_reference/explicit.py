@@ -83,7 +83,9 @@ class _Nodal:
         search_distance: float | None,
         motion: TimeValues | None,
         normals: dict[str, ArrayLike | None],
+        gaps: tuple[float, float | None, float | None],
     ) -> None:
+        self.gaps = [np.nan if value is None else float(value) for value in gaps]  # offset, clearance, adjust
         self.slave, self.master, self.friction = slave, master, float(friction)
         self.normals = normals
         self.search_distance = np.nan if search_distance is None else float(search_distance)
@@ -124,7 +126,7 @@ class _Nodal:
             if given is not None and values.shape != (*surface.shape, d):
                 raise ValueError(f"normals of the {side} have shape {values.shape}, not {(*surface.shape, d)}")
             normals.append(np.ascontiguousarray(values.reshape(-1, d)))
-        return model._model, slave, facets, obstacle, self.search_distance, mass, displacement, *normals
+        return model._model, slave, facets, obstacle, self.search_distance, mass, displacement, *normals, self.gaps
 
 
 class NodalPenalty(_Nodal):
@@ -148,6 +150,10 @@ class NodalPenalty(_Nodal):
         master_normals: of a smooth master (docs/contact.md, "Smooth surfaces"): normals at the vertices of its facets,
             shape (num_facets, vertices per facet, gdim), not a number for that of the facet; None: facets as they are.
         slave_normals: likewise, for the direction of a balanced contact in which the slave is the master.
+        offset: thickness of layers on both surfaces: gaps are less by it [L].
+        clearance: gap at rest of the nodes that are adjusted; None: zero [L].
+        adjust: nodes whose gap at rest is at most this are adjusted; None: with a clearance all that have a master,
+            else none [L].
 
     Raises:
         ValueError: a penalty that is not positive, a motion of a deformable master, or normals of another shape.
@@ -165,10 +171,13 @@ class NodalPenalty(_Nodal):
         master_normals: ArrayLike | None = None,
         slave_normals: ArrayLike | None = None,
         stiffness_step: float | None = None,
+        offset: float = 0.0,
+        clearance: float | None = None,
+        adjust: float | None = None,
     ) -> None:
         self.stiffness_step = stiffness_step
         normals = {"slave": slave_normals, "master": master_normals}
-        super().__init__(slave, master, friction, search_distance, motion, normals)
+        super().__init__(slave, master, friction, search_distance, motion, normals, (offset, clearance, adjust))
         if penalty is not None and not penalty > 0:
             raise ValueError(f"penalty is {penalty!r}: it must be positive, or None")
         self.penalty, self.balanced = penalty, bool(balanced)
@@ -194,6 +203,9 @@ class NodalKinematic(_Nodal):
         search_distance: masters further away are ignored, as in `NodalPenalty` [L].
         motion: displacement of a rigid master over time, as in `NodalPenalty` [L].
         master_normals: of a smooth master, as in `NodalPenalty`.
+        offset: as in `NodalPenalty` [L].
+        clearance: as in `NodalPenalty` [L].
+        adjust: as in `NodalPenalty` [L].
 
     Raises:
         ValueError: a motion of a deformable master, or normals of another shape.
@@ -208,8 +220,12 @@ class NodalKinematic(_Nodal):
         search_distance: float | None = None,
         motion: TimeValues | None = None,
         master_normals: ArrayLike | None = None,
+        offset: float = 0.0,
+        clearance: float | None = None,
+        adjust: float | None = None,
     ) -> None:
-        super().__init__(slave, master, friction, search_distance, motion, {"master": master_normals})
+        gaps = offset, clearance, adjust
+        super().__init__(slave, master, friction, search_distance, motion, {"master": master_normals}, gaps)
         self.sweeps = int(sweeps)
 
     def _bind(

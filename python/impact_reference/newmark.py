@@ -315,7 +315,7 @@ class _Run:
         if self.contact.chi is not None:
             result = compiled.step_penalty(self.bodies, *c.facet_rule, self.contact.chi, self.contact.chi_t, *arguments)
             after, force, support, iterations, _, at_points, *_ = result
-            gap, _, _, _, _, weight, pressure, traction, status = at_points
+            gap, _, _, _, _, weight, pressure, traction, status, _ = at_points
             self.friction_work -= weight @ np.sum(traction * (after[5] - state[5]), axis=1)
             springs, points = self._springs(weight, pressure, traction), (pressure, traction, gap, status)
             return after[0], support, force, iterations[-1], springs, points, after

@@ -51,6 +51,7 @@ def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_de
     body = random_patch(cell, hypothesis, degree, geometry_degree, seed)
     contact_patch.penalty(report, body, "deformable master", seed)
     contact_patch.mortar(report, body, "deformable master", seed)
+    contact_patch.adjusted(report, body, "deformable master", seed)
     rigid = obstacles(body.gdim, OFFSET if hypothesis == "axisymmetric" else 0.0)
     if hypothesis == "axisymmetric":  # a sphere has its centre on the axis, a cylinder would be a torus
         rigid = rigid[:1]
@@ -58,6 +59,7 @@ def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_de
         body.rigid = ours, theirs
         contact_patch.penalty(report, body, name, seed)
         contact_patch.nodes_on_obstacle(report, body, name, seed)
+    contact_patch.adjusted(report, body, name, seed)
 
 
 def random_patch(cell: str, hypothesis: str, degree: int, geometry_degree: int, seed: int) -> TwoBodies:

@@ -142,6 +142,9 @@ class TwoBodies(matched_body.Body):
         rigid: our obstacle and the other side's; None: the lower body is the master.
         prescribed: our degrees of freedom with prescribed values.
         options: further arguments of `Body`.
+
+    Attributes:
+        adjustment: offset, clearance and adjust of the pair, on both sides [L].
     """
 
     def __init__(
@@ -157,6 +160,7 @@ class TwoBodies(matched_body.Body):
     ) -> None:
         super().__init__(domain, degree, material, **options)
         self.tags, self.friction, self.rigid, self.prescribed = tags, friction, rigid, prescribed
+        self.adjustment: dict[str, float] = {}
         self.u = fem.Function(self.V, name="u")
         self.facet = facet_of(self.cell)
         self.segment = "triangle" if self.gdim == 3 else "interval"
@@ -177,8 +181,9 @@ class TwoBodies(matched_body.Body):
         master: int | OurObstacle = self.rigid[0] if self.rigid else MASTER
         distance = None if self.rigid or not everywhere else self.size
         return contact.ContactPair(
-            self.tags, SLAVE, master, self.friction, search_distance=distance, smooth=(False, smooth)
-        )
+            self.tags, SLAVE, master, self.friction, search_distance=distance, smooth=(False, smooth),
+            **self.adjustment,
+        )  # fmt: skip
 
     def theirs(self, points_and_weights: tuple[FloatArray, FloatArray]) -> impact_reference.Contact:
         """The other side's contact.
@@ -197,6 +202,7 @@ class TwoBodies(matched_body.Body):
             self.friction,
             points_and_weights,
             self.order[np.asarray(self.prescribed, dtype=np.int64)],
+            **self.adjustment,
         )
 
     def nodal_to_ours(self, values: AnyArray) -> AnyArray:

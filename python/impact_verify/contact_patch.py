@@ -23,6 +23,12 @@ TOLERANCE = 1e-10
 REASON = "round-off of projections, times body size over gap"
 NORMALS_TOLERANCE = 1e-8
 PENALTY, TANGENTIAL = 3.0, 2.0  # [F/L^3]
+#: Pairs whose gaps are not the distances of the meshes: a layer; all initial gaps one; those up to a limit one [L].
+ADJUSTMENTS: dict[str, dict[str, float]] = {
+    "with a layer": {"offset": 0.004},
+    "with a clearance": {"clearance": 0.002},
+    "adjusted up to a gap": {"offset": 0.003, "adjust": 0.006, "clearance": -0.001},
+}
 
 
 class Rows:
@@ -186,6 +192,21 @@ def penalty(report: Report, body: TwoBodies, name: str, seed: int) -> None:
     rows("penalty_tangent", tangent.toarray(), body.matrix_to_ours(result.tangent).toarray())
     ours.accept_step()
     rows("friction_slip", ours.history.slip.reshape(-1, body.gdim), result.history.slip[their_points])
+
+
+def adjusted(report: Report, body: TwoBodies, name: str, seed: int) -> None:
+    """Add the rows of penalty contact again, with a layer on the surfaces and with initial gaps that are adjusted.
+
+    Args:
+        report: report to add to.
+        body: bodies of both sides.
+        name: name of the master in the rows.
+        seed: seed of the random numbers.
+    """
+    for text, adjustment in ADJUSTMENTS.items():
+        body.adjustment = adjustment
+        penalty(report, body, f"{name}, {text}", seed)
+    body.adjustment = {}
 
 
 def _points(rows: Rows, ours: Any, points: impact_reference.contact.Points, place: IntArray) -> None:

@@ -18,11 +18,19 @@ from impact_verify.report import Report
 
 @pytest.mark.parametrize("case", [PATCH, ("tetrahedron", "3d", 2, 2), ("hexahedron", "3d", 1, 2)], ids=lambda c: c[0])
 def test_healthy_patches_pass(case):
-    assert_healthy(patches(case), "contact", 58 + 8 * case[2])  # linear multipliers for degree 2 only
+    assert_healthy(patches(case), "contact", 112 + 8 * case[2])  # linear multipliers for degree 2 only
 
 
 def test_healthy_axisymmetric_patches_pass():
-    assert_healthy(patches(("quadrilateral", "axisymmetric", 2, 1)), "contact", 48)
+    assert_healthy(patches(("quadrilateral", "axisymmetric", 2, 1)), "contact", 102)
+
+
+def test_gaps_that_are_not_adjusted_fail(monkeypatch):
+    """Rows with layers and adjusted gaps find a side that forgets them; the others do not mind."""
+    monkeypatch.setattr(impact_reference.Contact, "_shift", lambda self, *given: np.zeros(self.num_points))
+    rows = failed(patches(), ("gap", "pressure", "penalty_force"))
+    found = [{part for part in contact_patch.ADJUSTMENTS if part in row.name} for row in rows]
+    assert all(found) and set.union(*found) == set(contact_patch.ADJUSTMENTS)
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.3])

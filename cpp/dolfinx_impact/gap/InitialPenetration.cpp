@@ -47,48 +47,61 @@ double thinner_body(const surface::FunctionSpace& V, const surface::Facets& slav
 }
 } // namespace
 
+InitialPenetration::Largest InitialPenetration::largest(MPI_Comm comm, int gdim, std::span<const double> x,
+                                                        std::span<const double> values, double least)
+{
+  Largest out;
+  const std::int64_t number = std::ranges::count_if(values, [least](double value) { return value > least; });
+  MPI_Allreduce(&number, &out.num_points, 1, MPI_INT64_T, MPI_SUM, comm);
+  if (out.num_points == 0)
+    return out;
+  struct
+  {
+    double size = -1.0;
+    int rank;
+  } mine, most;
+  MPI_Comm_rank(comm, &mine.rank);
+  const auto farthest = std::ranges::max_element(values);
+  if (farthest != values.end())
+    mine.size = *farthest;
+  MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm);
+  out.size = most.size;
+  out.where.resize(gdim);
+  if (mine.rank == most.rank)
+    std::copy_n(x.begin() + (farthest - values.begin()) * gdim, gdim, out.where.begin());
+  MPI_Bcast(out.where.data(), gdim, MPI_DOUBLE, most.rank, comm);
+  return out;
+}
+
 InitialPenetration::InitialPenetration(std::string name, const surface::FunctionSpace& V, const surface::Facets& slave,
                                        const surface::Facets* master, std::span<const double> x,
-                                       std::span<const double> gap, bool remove)
-    : _name(std::move(name)), _remove(remove), _offset(gap.size(), 0.0)
+                                       std::span<const double> gap, const GapAdjustment& adjustment)
+    : _name(std::move(name)), _adjustment(adjustment), _offset(gap.size(), -adjustment.offset)
 {
   const MPI_Comm comm = V.mesh()->comm();
-  const std::size_t gdim = slave.gdim;
-  const double least = round_off * operators::body_size(*V.mesh());
+  const double least = round_off * operators::body_size(*V.mesh()), target = adjustment.clearance.value_or(0.0);
+  // Gaps up to the limit are adjusted; overlaps within round-off of it count as gaps of its size.
+  const double limit = adjustment.adjust ? *adjustment.adjust + least : infinity;
   double shallowest = infinity;
-  std::size_t deepest = 0;
-  std::int64_t number = 0;
+  std::vector<double> depths(gap.size()), moved(gap.size(), 0.0);
   for (std::size_t i = 0; i < gap.size(); ++i)
   {
-    const double penetration = std::max(0.0, -gap[i]);
-    number += penetration > least;
-    if (std::isfinite(gap[i]))
-      shallowest = std::min(shallowest, penetration);
-    if (gap[i] < gap[deepest])
-      deepest = i;
-    if (remove && penetration > least)
-      _offset[i] = penetration;
+    const double own = gap[i] - adjustment.offset;
+    depths[i] = std::max(0.0, -own);
+    if (!std::isfinite(gap[i]))
+      continue;
+    shallowest = std::min(shallowest, std::max(0.0, -gap[i]));
+    if (!adjustment.adjusts() || own > limit || !(std::abs(target - own) > least))
+      continue;
+    if (adjustment.adjust == 0.0 && !(own < -least)) // touching points, which only overlaps are to become
+      continue;
+    moved[i] = std::abs(target - own);
+    _offset[i] = target - gap[i];
   }
-  MPI_Allreduce(&number, &_num_points, 1, MPI_INT64_T, MPI_SUM, comm);
+  _deepest = largest(comm, slave.gdim, x, depths, least);
+  _farthest = largest(comm, slave.gdim, x, moved, least);
   MPI_Allreduce(MPI_IN_PLACE, &shallowest, 1, MPI_DOUBLE, MPI_MIN, comm);
-  if (_num_points > 0)
-  {
-    struct
-    {
-      double depth = -1.0;
-      int rank;
-    } mine, most;
-    MPI_Comm_rank(comm, &mine.rank);
-    if (!gap.empty())
-      mine.depth = std::max(0.0, -gap[deepest]);
-    MPI_Allreduce(&mine, &most, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm);
-    _depth = most.depth;
-    _where.resize(gdim);
-    if (mine.rank == most.rank)
-      std::copy_n(x.begin() + deepest * gdim, gdim, _where.begin());
-    MPI_Bcast(_where.data(), int(gdim), MPI_DOUBLE, most.rank, comm);
-  }
-  if (_num_points == 0 || !std::isfinite(shallowest) || !(shallowest > 0.0))
+  if (!std::isfinite(shallowest) || !(shallowest > least))
     return;
   if (const double thinner = thinner_body(V, slave, master); shallowest > 0.5 * thinner)
     throw std::invalid_argument(_name + ": every slave point lies at least " + common::text("%.3e", shallowest) +
@@ -100,13 +113,23 @@ InitialPenetration::InitialPenetration(std::string name, const surface::Function
 
 std::string InitialPenetration::warning() const
 {
-  if (_where.empty())
-    return "";
-  std::vector<double> place = _where;
-  for (double& value : place) // no -0, and no digits of round-off
-    value = std::round(value * 1e12) / 1e12 + 0.0;
-  return _name + ": " + std::to_string(_num_points) + " points penetrate before anything is loaded, by up to " +
-         common::text("%.3e", _depth) + " at (" + common::components(place) + ")" +
-         (_remove ? ": removed, gaps count from there" : "");
+  const auto at = [](std::vector<double> place)
+  {
+    for (double& value : place) // no -0, and no digits of round-off
+      value = std::round(value * 1e12) / 1e12 + 0.0;
+    return " at (" + common::components(place) + ")";
+  };
+  std::vector<std::string> texts;
+  const bool removed = _adjustment.removes_penetration();
+  if (!_deepest.where.empty())
+    texts.push_back(std::to_string(_deepest.num_points) + " points penetrate before anything is loaded, by up to " +
+                    common::text("%.3e", _deepest.size) + at(_deepest.where) +
+                    (removed ? ": removed, gaps count from there" : ""));
+  if (!removed && !_farthest.where.empty())
+    texts.push_back("the gaps of " + std::to_string(_farthest.num_points) + " points are adjusted to " +
+                    common::text("%.4g", _adjustment.clearance.value_or(0.0)) +
+                    " before anything is loaded, by up to " + common::text("%.3e", _farthest.size) +
+                    at(_farthest.where));
+  return texts.empty() ? "" : _name + ": " + common::joined(texts);
 }
 } // namespace dolfinx_impact::gap

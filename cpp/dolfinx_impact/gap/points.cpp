@@ -40,6 +40,7 @@ Points make_points(const surface::Facets& slave, std::span<const double> points,
   const std::size_t num = out.size();
   out.status.assign(num, search::ProjectionStatus::outside);
   out.entity.assign(num, -1);
+  out.beside.assign(num, 0);
   out.margin.assign(num, search::keep_margin);
   out.master.assign(num, -1);
   out.master_xi.assign(2 * num, 0.0);
@@ -61,6 +62,7 @@ void update(Points& points, const surface::Facets& slave, const search::SurfaceS
     std::copy_n(s.x, gdim, points.x.data() + q * gdim);
     points.status[q] = p.status;
     points.entity[q] = p.entity;
+    points.beside[q] = p.rim == search::Projection::Rim::beside;
     points.master[q] = p.facet;
     std::copy_n(p.xi, 2, points.master_xi.data() + 2 * q);
     points.gap[q] = p.gap;
@@ -83,6 +85,7 @@ void update(Points& points, const surface::Facets& slave, const Rigid& master)
     std::copy_n(s.x, gdim, points.x.data() + q * gdim);
     points.status[q] = search::ProjectionStatus::converged;
     points.entity[q] = -1;
+    points.beside[q] = 0;
     points.master[q] = -1;
     points.gap[q] = p.gap;
     std::copy_n(p.normal, gdim, points.normal.data() + q * gdim);

@@ -22,6 +22,7 @@ struct Points
   std::vector<double> x;                        ///< x[q*gdim + c], current position [L]
   std::vector<search::ProjectionStatus> status; ///< `outside`: no master, open
   std::vector<std::int8_t> entity;              ///< edge or vertex of the master's facet
+  std::vector<std::int8_t> beside;              ///< is it beside the master's outer rim?
   std::vector<std::int32_t> master;             ///< facet of the master; -1 without one and for rigid masters
   std::vector<double> master_xi;                ///< master_xi[2*q + alpha]
   std::vector<double> gap;                      ///< infinite without master [L]

@@ -342,6 +342,20 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
     v[i] = fields.v[i] + 0.5 * dt * a[i];
 }
 
+std::vector<double> CentralDifference::support_forces()
+{
+  std::vector<double> v(_fields.owned), a(_fields.owned), out(_fields.owned, 0.0);
+  motion(v, a);
+  std::vector<double> kinematic;
+  if (_contact.has_kinematic())
+    kinematic = _contact.forces(_fields).kinematic;
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (!(_fields.inverse[i] > 0.0))
+      out[i] = _fields.mass[i] * (a[i] + _alpha * _fields.v[i]) + _fields.r[i] - _loads.force(i) -
+               (kinematic.empty() ? 0.0 : kinematic[i]);
+  return out;
+}
+
 std::pair<std::int32_t, double> CentralDifference::fastest() const
 {
   std::pair<std::int32_t, double> found{-1, -1.0};

@@ -102,6 +102,9 @@ public:
   /// Velocity (3.75) and acceleration, owned entries; with the forces of kinematic contact of the last step.
   /// Collective.
   void motion(std::span<double> v, std::span<double> a);
+  /// Forces of the supports on the bodies at the prescribed degrees of freedom, zero elsewhere, owned entries: what
+  /// inertia, damping and internal forces lack to loads and contact forces [F]. Collective.
+  std::vector<double> support_forces();
   /// Bring the gaps of all contacts' nodes up to date.
   void update_gaps() { _contact.update_gaps(); }
   /// Owned displacements [L].

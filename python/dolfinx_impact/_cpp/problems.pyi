@@ -11,6 +11,28 @@ import petsc4py.PETSc
 
 import dolfinx_impact._cpp
 
+class AmplitudeTable:
+    """Function of time from a table of times and values"""
+
+    def __init__(
+        self,
+        times: NDArray[numpy.floating[Any]],
+        values: NDArray[numpy.floating[Any]],
+        smooth: bool,
+        refuse_before: bool,
+        refuse_after: bool,
+        name: str,
+    ) -> None: ...
+    @staticmethod
+    def from_csv(file: str, smooth: bool, refuse_before: bool, refuse_after: bool, name: str) -> AmplitudeTable: ...
+    @property
+    def size(self) -> int: ...
+    @property
+    def times(self) -> NDArray[numpy.float64]: ...
+    @property
+    def values(self) -> NDArray[numpy.float64]: ...
+    def sample(self, times: NDArray[numpy.floating[Any]]) -> NDArray[numpy.float64]: ...
+
 class AssembledBody(dolfinx_impact._cpp.solve.Body):
     """Bodies that kernels, forms of DOLFINx, or both assemble"""
 

@@ -81,12 +81,28 @@ class CauchyStress:
             Components (forms.materials.stress_components) on this rank, (num_owned_cells, num_points,
             num_components) [F/L^2].
         """
-        own = self._force.history
-        if self._points is not None:
-            for name in own.state_names:
-                own.set_values(name, self._points.values(name))
+        own = self._set_history()
         self._forces[:] = 0.0
         self._force.assemble(self._forces)
         values = own.values(STRESS, trial=True)
         own.revert()
         return values
+
+    def forces(self) -> FloatArray:
+        """Nodal forces of the stress at the present displacement, owned entries complete [F]. Collective."""
+        own = self._set_history()
+        forces: FloatArray = self._force.apply().array
+        own.revert()
+        return forces
+
+    def _set_history(self) -> Any:
+        """Take over the internal variables of the problem.
+
+        Returns:
+            Those of these kernels (C++).
+        """
+        own = self._force.history
+        if self._points is not None:
+            for name in own.state_names:
+                own.set_values(name, self._points.values(name))
+        return own

@@ -28,6 +28,11 @@ class MaterialHistory(Mapping[str, HistoryField]):
         self._parts, self._points = parts, points
         self._stress: StressFields | None = None
 
+    @property
+    def points(self) -> PointHistory:
+        """Values at the quadrature points (C++)."""
+        return self._points
+
     def __iter__(self) -> Iterator[str]:
         return iter(dict.fromkeys(name for part in self._parts for name in part.history))
 

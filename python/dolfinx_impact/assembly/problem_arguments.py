@@ -124,7 +124,8 @@ def problem(
         if not in_time and getattr(load, "amplitude", None) is not None:
             raise ValueError(
                 f"{type(load).__name__} has an amplitude, a function of time: that is for problems in time; static "
-                "ones go to the present value of the load in steps"
+                "ones go to the present value of the load in steps: set load.constant.value = table(t) * ... between "
+                "two solves"
             )
         if hasattr(load, "facet_tags"):
             arguments.tags(type(load).__name__, load.facet_tags, mesh, tdim - 1)

@@ -6,15 +6,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from dolfinx import fem
-from dolfinx.fem import Function
+from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 from petsc4py import PETSc
 
 from .. import _cpp
 from ..common.collective import guard
+from ..common.messages import INITIAL_PENETRATION
 from ..common.types import AnyArray, ArrayLike, FloatArray, IntArray
 from .pair import ContactPair
 from .protocol import ContactProblem
+
+
+#: Results that are arrays over the contact points, (n, gdim) and (n).
+OF_VECTORS = ("points", "normal", "traction", "shear_traction", "slip")
+OF_NUMBERS = ("gap", "pressure", "status", "weight")
+
+
+#: Results that `function` returns and that problems record.
+FIELDS = ("pressure", "gap", "traction", "shear_traction", "slip", "status")
 
 
 def _three(value: ArrayLike) -> list[float]:
@@ -45,6 +55,7 @@ class ContactOutput:
 
     if TYPE_CHECKING:  # members of derived classes, attributes or properties
         comm: MPI.Comm
+        problem: Any
         pair: ContactPair
         gdim: int
 
@@ -69,7 +80,9 @@ class ContactOutput:
         known = "not solved yet"
         if self.force is not None:  # a total: the same on all ranks, and known without communication
             known = f"force on the slave ({', '.join(f'{value:.6g}' for value in self.force)})"
-        return f"{type(self).__name__}({self.pair!r}, {len(self.weight)} points on this rank, {known})"
+        n = len(self.weight)
+        arrays = f"{', '.join(OF_VECTORS)} ({n}, {self.gdim}); {', '.join(OF_NUMBERS)} ({n},)"
+        return f"{type(self).__name__}({self.pair!r}, {n} points on this rank, {known}; arrays {arrays})"
 
     @property
     def fault(self) -> str:
@@ -122,11 +135,25 @@ class ContactOutput:
         """Largest penetration in the reference configuration on all ranks, removed or not [L].
 
         Raises:
-            AttributeError: the contact is one of an explicit problem.
+            AttributeError: the contact is one of an explicit problem whose pair adjusts no gaps.
         """
         if self.initial is None:
-            raise AttributeError(f"{type(self).__name__} has no initial penetration: it is one of static problems")
+            raise AttributeError(
+                f"{type(self).__name__} has no initial penetration: it is known in static problems, and of pairs that "
+                "adjust gaps"
+            )
         return float(self.initial.depth)
+
+    @property
+    def adjustment(self) -> str:
+        """What was adjusted of the initial gaps, how many points, by how much at most and where; and what penetrates.
+        Empty if there is nothing to tell."""
+        return "" if self.initial is None else str(self.initial.warning)
+
+    def _tell_of_penetration(self) -> None:
+        """Log penetrations in the reference configuration and what was adjusted, on rank 0."""
+        if self.adjustment and self.comm.rank == 0:
+            INITIAL_PENETRATION.warning(self.adjustment)
 
     @property
     def shear_traction(self) -> FloatArray:
@@ -211,12 +238,62 @@ class ContactOutput:
                 raise ValueError(
                     f"the array has {len(np.atleast_1d(values))} rows, the contact {len(self.points)} points"
                 )
-        V = problem.space
-        mesh, degree = V.mesh, V.element.basix_element.degree
-        nodes, found = self.at_nodes(values)
-        shape = found.shape[1:]
-        f = fem.Function(fem.functionspace(mesh, ("Lagrange", degree, shape)), name=name)
-        flat = f.x.array.reshape(-1, *shape)
-        flat[nodes] = np.where(np.isfinite(found), found, 0.0)
-        f.x.scatter_forward()
+        f = self._new_function(problem.space, np.shape(values)[1:], name)
+        self._fill(f, values, 0.0)
         return f
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the results that `function` returns."""
+        return FIELDS
+
+    def function(self, name: str, elsewhere: float | None = None, out: Function | None = None) -> Function:
+        """One of the results in the present state as a function on the mesh. Collective.
+
+        It is of the degree of the displacement, has the values of the slave's nodes (means of those at quadrature
+        points, see at_nodes) and `elsewhere` at other nodes; so have slave nodes without a value, as a gap without a
+        master has none.
+
+        Args:
+            name: pressure, gap, traction, shear_traction, slip or status, in rolling with friction also slip_velocity.
+            elsewhere: value at other nodes; None: zero, of a gap a number that is none, as an open place is not one of
+                gap zero.
+            out: function that an earlier call has returned, which is set anew; None: a new one.
+
+        Returns:
+            The function: numbers, or vectors of gdim components, in the unit of the result.
+
+        Raises:
+            ValueError: another name, or `out` is not a function of this result; on all ranks.
+        """
+        with guard(self.comm, "function", name=name, elsewhere=elsewhere) as ranks:
+            if name not in self.fields:
+                raise ValueError(f"{self.pair.name} has no field {name!r:.60}: use one of {', '.join(self.fields)}")
+            shape: tuple[int, ...] = () if name in (*OF_NUMBERS, "status") else (self.gdim,)
+            if out is not None and (out.function_space.mesh is not self._space.mesh or out.ufl_shape != shape):
+                raise ValueError(f"out is no function that {name!r} of {self.pair.name} was returned in")
+            ranks.same(new=out is None)
+        self.refresh()
+        f = self._new_function(self._space, shape, name) if out is None else out
+        if elsewhere is None:
+            elsewhere = np.nan if name == "gap" else 0.0
+        self._fill(f, getattr(self, name), float(elsewhere))
+        return f
+
+    @property
+    def _space(self) -> FunctionSpace:
+        """Displacement space."""
+        space: FunctionSpace = self.problem.space
+        return space
+
+    @staticmethod
+    def _new_function(V: FunctionSpace, shape: tuple[int, ...], name: str) -> Function:
+        return Function(fem.functionspace(V.mesh, ("Lagrange", V.element.basix_element.degree, shape)), name=name)
+
+    def _fill(self, f: Function, values: ArrayLike, elsewhere: float) -> None:
+        """Set a function to values of the contact points. Collective."""
+        nodes, found = self.at_nodes(values)
+        f.x.array[:] = elsewhere
+        flat = f.x.array.reshape(-1, *found.shape[1:])
+        flat[nodes] = np.where(np.isfinite(found), found, elsewhere)
+        f.x.scatter_forward()

@@ -3,7 +3,7 @@
 
 import enum
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -40,31 +40,44 @@ class ContactPair(Fixed):
     Args:
         facet_tags: tags of facets.
         slave: tag of the slave surface; preferably the finer mesh and the softer body.
-        master: tag of the master surface, or a RigidPlane, RigidSphere, RigidCylinder, RigidSurface or RigidBody.
+        master: tag of the master surface, a list of tags for several surfaces that one slave may touch, or a
+            RigidPlane, RigidSphere, RigidCylinder, RigidSurface or RigidBody.
         friction: coefficient of friction, zero or more [1].
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
-            start; for meshes that overlap although the bodies do not.
+            start; for meshes that overlap although the bodies do not. The same as `adjust=0.0`.
+        clearance: initial gap of the points that are adjusted, whatever the meshes say: of all points that have a
+            master, or with `adjust` of those up to there. Negative: an overlap, as of a press fit [L].
+        offset: thickness of layers that the meshes do not have, of shells and coatings: surfaces touch when they are
+            this far apart. One number, or two, (slave, master); negative where material is missing [L].
+        adjust: points whose initial gap is at most this, and all that overlap, are closed at the start, or have the
+            gap `clearance`; None: no point [L].
         smooth: lay smooth surfaces of degree 2 through the nodes of linear facets (docs/contact.md, "Smooth
             surfaces"): True, False, or a function of positions, (3, n) -> (gdim, n), that gives normals out of the
             body, whose length does not count; where they are not a number, or off the facet by more than `crease`,
             the mean normals of the facets are used. Two of these, (slave, master): each side its own.
         crease: smooth surfaces keep edges sharp where facets meet at a larger angle [degrees].
-        name: name for messages and files.
+        name: name for messages and files; None: from the tags, as "3 on 4", "3 on 4 and 5", "3 on RigidPlane". Of the
+            contacts of a problem with the same name each gets a number behind it, "3 on 4 (2)".
 
     Raises:
-        TypeError: a tag is not an integer, or the master is neither a tag nor a rigid obstacle; on all ranks.
-        ValueError: slave and master are the same surface, friction is negative or not finite, or crease is no angle
+        TypeError: a tag is not an integer, or the master is neither a tag, a list of tags nor a rigid obstacle; on all
+            ranks.
+        ValueError: slave and master are the same surface, a list of masters is empty or has a tag twice, friction is
+            negative or not finite, a number that changes gaps is not finite or of the wrong sign, or crease is no angle
             above 0 up to 180; on all ranks. The tags are compared with the mesh when a problem is made.
     """
 
     facet_tags: MeshTags
     slave: int
-    master: int | _Rigid
+    master: int | tuple[int, ...] | _Rigid
     rigid: bool
     friction: float
     search_distance: float | None
     remove_penetration: bool
+    clearance: float | None
+    offset: tuple[float, float]
+    adjust: float | None
     smooth: tuple[Smooth, Smooth]
     crease: float
     name: str
@@ -73,33 +86,50 @@ class ContactPair(Fixed):
         self,
         facet_tags: MeshTags,
         slave: int,
-        master: int | _Rigid,
+        master: int | Sequence[int] | _Rigid,
         friction: float = 0.0,
         search_distance: float | None = None,
         remove_penetration: bool = False,
         name: str | None = None,
         smooth: Smooth | tuple[Smooth, Smooth] = False,
         crease: float = 30.0,
+        clearance: float | None = None,
+        offset: float | tuple[float, float] = 0.0,
+        adjust: float | None = None,
     ) -> None:
         given: dict[str, Any] = dict(slave=slave, master=master, friction=friction, name=name)
         given |= dict(search_distance=search_distance, crease=crease, smooth=[_kind(s) for s in _sides(smooth)])
+        given |= dict(clearance=clearance, offset=offset, adjust=adjust)
         with guard(comm_of(facet_tags), "ContactPair", **given, remove_penetration=bool(remove_penetration)):
             self._check(facet_tags, slave, master, friction, search_distance)
             self.smooth = _check_smooth(smooth)
             self.crease = number("crease", crease, 0.0, " [degrees]")
             if self.crease > 180.0:
                 raise ValueError(f"crease is {self.crease}: it is an angle of up to 180 degrees")
+            self._check_adjustment(clearance, offset, adjust, bool(remove_penetration))
         self.remove_penetration = bool(remove_penetration)
-        self.name = name or f"contact {self.slave}-{'rigid' if self.rigid else self.master}"
+        met = " and ".join(map(str, self.masters)) if self.masters else type(self.master).__name__
+        self.name = name or f"{self.slave} on {met}"
 
     def __repr__(self) -> str:
         more = "" if self.search_distance is None else f", search_distance {self.search_distance:g}"
         if self.remove_penetration:
             more += ", remove_penetration"
+        if any(self.offset):
+            more += f", offset {sum(self.offset):g}"
+        for name, value in (("clearance", self.clearance), ("adjust", self.adjust)):
+            more += "" if value is None else f", {name} {value:g}"
         sides = [side for side, kind in zip(("slave", "master"), self.smooth) if kind is not False]
         if sides:
             more += f", smooth {' and '.join(sides)}, crease {self.crease:g}"
         return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction}{more})"
+
+    @property
+    def masters(self) -> tuple[int, ...]:
+        """Tags of the master surfaces; none if the master is rigid."""
+        if isinstance(self.master, _Rigid):
+            return ()
+        return self.master if isinstance(self.master, tuple) else (self.master,)
 
     @property
     def rigid_master(self) -> _Rigid:
@@ -136,12 +166,9 @@ class ContactPair(Fixed):
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
         """Check the arguments of a pair, on this rank."""
         self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)
-        if not isinstance(master, (_Rigid, int, float, np.integer, np.floating)):
-            hint = " (make an object of it)" if isinstance(master, type) else ""
-            raise TypeError(f"master must be a tag or a rigid obstacle, found {master!r:.60}{hint}")
-        self.master = master if isinstance(master, _Rigid) else _tag(master)
+        self.master = _checked_master(master)
         self.rigid = isinstance(master, _Rigid)
-        if not self.rigid and self.slave == self.master:
+        if self.slave in self.masters:
             raise ValueError(
                 f"slave and master have the same tag {self.slave}: tag two surfaces, or take GeneralContact, which "
                 "knows self-contact, in an explicit problem"
@@ -152,6 +179,25 @@ class ContactPair(Fixed):
         self.search_distance = None
         if search_distance is not None:
             self.search_distance = number("search_distance", search_distance, 0.0, " [L]")
+
+    def _check_adjustment(self, clearance: Any, offset: Any, adjust: Any, remove: bool) -> None:
+        """Check what changes gaps, on this rank."""
+        self.clearance = None if clearance is None else number("clearance", clearance, unit=" [L]")
+        both = offset if isinstance(offset, (tuple, list, np.ndarray)) else (offset, 0.0)
+        if len(both) != 2:
+            raise ValueError(f"offset has {len(both)} numbers: give one, or two, of slave and master")
+        self.offset = number("offset", both[0], unit=" [L]"), number("offset", both[1], unit=" [L]")
+        self.adjust = None if adjust is None else number("adjust", adjust, unit=" [L]")
+        if self.adjust is not None and self.adjust < 0.0:
+            raise ValueError(f"adjust is {self.adjust:g}: it is a gap up to which points are closed, zero or more")
+        if remove and (adjust is not None or clearance is not None):
+            raise ValueError("remove_penetration is adjust=0.0: give it alone, or adjust and clearance without it")
+
+    @property
+    def adjustment(self) -> _cpp.gap.GapAdjustment:
+        """How gaps differ from the distances of the meshed surfaces (C++)."""
+        adjust = 0.0 if self.remove_penetration else self.adjust
+        return _cpp.gap.GapAdjustment(offset=sum(self.offset), clearance=self.clearance, adjust=adjust)
 
     def surfaces(self, V: FunctionSpace) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets | None]:
         """Find this rank's slave and master facets. Collective.
@@ -167,20 +213,20 @@ class ContactPair(Fixed):
         """
         mesh = V.mesh
         tdim = mesh.topology.dim
-        tags = {"slave": self.slave}
-        if isinstance(self.master, int):
-            tags["master"] = self.master
-        for what, tag in tags.items():
-            check_tag(self.facet_tags, tag, mesh, f"{self.name}, {what}")
+        sides = [("slave", (self.slave,)), *([] if self.rigid else [("master", self.masters)])]
+        for what, tags in sides:
+            for tag in tags:
+                check_tag(self.facet_tags, tag, mesh, f"{self.name}, {what}")
         mesh.topology.create_connectivity(tdim - 1, tdim)
         mesh.topology.create_connectivity(tdim, tdim - 1)
         exterior = dmesh.exterior_facet_indices(mesh.topology)
         made = []
-        for tag in tags.values():
-            facets = self.facet_tags.find(tag)
+        for _, tags in sides:
+            facets = np.sort(np.concatenate([self.facet_tags.find(tag) for tag in tags]))
             inside = mesh.comm.allreduce(len(np.setdiff1d(facets, _boundary(mesh, exterior))), MPI.SUM)
             if inside:
-                raise ValueError(f"{self.name}: {inside} facets with the tag {tag} lie inside the body")
+                found = " and ".join(map(str, tags))
+                raise ValueError(f"{self.name}: {inside} facets with the tag {found} lie inside the body")
             outside = np.intersect1d(facets, exterior)
             made.append(_guarded(mesh.comm, functools.partial(_surface, V, outside)))
         for side, normals in enumerate(self.smooth[: len(made)]):
@@ -214,6 +260,25 @@ class ContactPair(Fixed):
                 f"{self.name}: slave and master share {count} nodes, the first at {some}: a body cannot touch "
                 "itself there; leave the common edge out of one of the tags, or mesh the bodies apart"
             )
+
+
+def _checked_master(master: Any) -> int | tuple[int, ...] | _Rigid:
+    """The argument `master`: a tag, several ones, or an obstacle; checked on this rank."""
+    if isinstance(master, _Rigid):
+        return master
+    if isinstance(master, (int, float, np.integer, np.floating)):
+        return _tag(master)
+    if not isinstance(master, (list, tuple, np.ndarray)):
+        hint = " (make an object of it)" if isinstance(master, type) else ""
+        raise TypeError(f"master must be a tag, a list of tags or a rigid obstacle, found {master!r:.60}{hint}")
+    if any(isinstance(one, _Rigid) for one in master):
+        raise TypeError("a list of masters holds tags: make a pair with each rigid obstacle")
+    tags = tuple(_tag(one) for one in master)
+    if not tags:
+        raise ValueError("the list of masters is empty: give the tags of the surfaces")
+    if len(set(tags)) < len(tags):
+        raise ValueError(f"the masters {list(tags)} have a tag twice: give each once")
+    return tags if len(tags) > 1 else tags[0]
 
 
 def _surface(V: FunctionSpace, facets: IntArray) -> _cpp.surface.Facets:

@@ -72,12 +72,12 @@ class ExplicitContactProblem(ContactProblem, Protocol):
     """What a contact reads of an explicit problem.
 
     Attributes:
-        named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
         prescribed: mask of prescribed degrees of freedom, owned and ghosts.
+        named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
     """
 
-    named_pairs: list[ContactPair]
     prescribed: BoolArray
+    named_pairs: list[ContactPair]
     _cpp_object: _cpp.problems.ExplicitProblem
 
 

@@ -5,7 +5,6 @@ import numpy as np
 from petsc4py import PETSc
 
 from .. import _cpp
-from ..common.messages import INITIAL_PENETRATION
 from ..common.types import FloatArray, IntArray
 from .output import ContactOutput
 
@@ -27,11 +26,6 @@ class StaticContactView(ContactOutput):
     def initial(self) -> _cpp.gap.InitialPenetration:
         """Penetrations in the reference configuration."""
         return self._cpp_object.initial
-
-    def _tell_of_penetration(self) -> None:
-        """Log penetrations in the reference configuration, on rank 0."""
-        if self.initial.warning and self.comm.rank == 0:
-            INITIAL_PENETRATION.warning(self.initial.warning)
 
     # --- load steps --------------------------------------------------------------------------------------------------
 

@@ -40,6 +40,7 @@ from .advance_calls import AdvanceCalls
 from .current_state import CurrentState
 from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
+from ..contact.names import named_apart
 from .in_time import contacts_in_time, prescribed_motion
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
@@ -205,9 +206,8 @@ class ExplicitProblem(TransientProblem):
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
         self.named_pairs = pairs
-        self.contact: tuple[NodalPair | ExplicitTie | GeneralOutput, ...] = tuple(
-            [c._bind_explicit(self) for c in contact]
-        )
+        bound = [c._bind_explicit(self) for c in named_apart(contact)]
+        self.contact: tuple[NodalPair | ExplicitTie | GeneralOutput, ...] = tuple(bound)
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
@@ -498,6 +498,19 @@ class ExplicitProblem(TransientProblem):
             ranks.same(output=options, points=places)
         output = self._stepper.recorders, self._state.update_functions
         return Recorder(self, *output, path, names, every, places, points_every, options=options)
+
+    def reactions(self) -> fem.Function:
+        """Forces of the supports on the bodies at prescribed degrees of freedom, zero elsewhere, at the present time:
+        what inertia, damping and internal forces lack to loads and contact forces. Those of kinematic contact are of
+        the last step. Collective.
+
+        Returns:
+            Function on the displacement space [F].
+        """
+        r = fem.Function(self.space, name="reaction")
+        r.x.array[: self.num_owned] = self._cpp_object.integrator.support_forces()
+        r.x.scatter_forward()
+        return r
 
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.

@@ -201,9 +201,17 @@ class GivenArguments:
                     self.table[f"{of}.master.velocity"] = _text(master.velocity)
                 self.table[f"{of}.master.motion"] = "without" if master.motion is None else "with"
         else:
-            self.table[f"{of}.master"] = f"{pair.master}, {facets_with(self.mesh, pair.facet_tags, pair.master)}"
+            found = [f"{tag}, {facets_with(self.mesh, pair.facet_tags, tag)}" for tag in pair.masters]
+            self.table[f"{of}.master"] = "; ".join(found)
         for key in ("friction", "search_distance", "remove_penetration", "crease"):
             self.table[f"{of}.{key}"] = _text(getattr(pair, key))
+        # In one entry with it, and only where gaps change: files that were written before have no entries of their own.
+        changes = [
+            f", {key} {_text(getattr(pair, key))}"
+            for key, none in (("clearance", None), ("offset", (0.0, 0.0)), ("adjust", None))
+            if getattr(pair, key) != none
+        ]
+        self.table[f"{of}.remove_penetration"] += "".join(changes)
         self.table[f"{of}.smooth"] = repr(tuple("function" if callable(side) else side for side in pair.smooth))
         for side, smooth, facets in zip(("slave", "master"), pair.smooth, surfaces):
             if callable(smooth):

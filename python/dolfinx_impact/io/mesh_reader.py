@@ -12,7 +12,7 @@ import re
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
@@ -27,6 +27,7 @@ from dolfinx.mesh import Mesh, MeshTags
 from .. import compat
 from ..common.collective import guard
 from ..common.types import FilePath, IntArray
+from . import meshio_reader
 from .gather import together
 from .mesh_check import SHOWN, MeshReport, check_mesh, label
 
@@ -81,15 +82,19 @@ def read_mesh(
     gdim: int | None = None,
     required_cell_tags: Iterable[int | str] = (),
     required_facet_tags: Iterable[int | str] = (),
+    sets: Sequence[str] | None = None,
 ) -> MeshInput:
     """Read and check a mesh with its cell and facet tags. Collective.
 
     Args:
-        path: gmsh .msh file, or XDMF file written by DOLFINx.
+        path: gmsh .msh file, XDMF file written by DOLFINx, or, where meshio is installed, a file of Abaqus (.inp), MED
+            (.med) or Exodus (.e, .exo), whose sets of elements and nodes and surfaces become tags 1, 2, ... with names;
+            cells in no set have the next tag, without a name.
         comm: communicator of the mesh.
         gdim: geometric dimension, 2 or 3; None: 2 for a flat mesh of triangles or quadrilaterals, otherwise 3 [1].
         required_cell_tags: tags of cells, or in a .msh file their names, that must not be empty.
         required_facet_tags: tags of facets, or in a .msh file their names, that must not be empty.
+        sets: of files that meshio reads: names of the sets that become tags, which must not overlap; None: all.
 
     Returns:
         Mesh, tags, names and what was found.
@@ -98,7 +103,7 @@ def read_mesh(
         TypeError: an argument is of the wrong type.
         ValueError: the file is damaged, or its mesh is bad; on all ranks.
         FileNotFoundError: there is no such file; on all ranks.
-        RuntimeError: gmsh is needed and is not there; on all ranks.
+        RuntimeError: gmsh or meshio is needed and is not there; on all ranks.
 
     Warns:
         UserWarning: parts of the file are left out.
@@ -109,15 +114,28 @@ def read_mesh(
         if not isinstance(path, (str, os.PathLike)):
             raise TypeError(f"path must be the name of a file, found {type(path).__name__}")
         path = Path(path)
-        kind = {".msh": "msh", ".xdmf": "xdmf", ".xmf": "xdmf"}.get(path.suffix.lower())
+        kinds = {".msh": "msh", ".xdmf": "xdmf", ".xmf": "xdmf"} | dict.fromkeys(meshio_reader.KINDS, "meshio")
+        kind = kinds.get(path.suffix.lower())
         if gdim not in (None, 2, 3):
             raise ValueError(f"gdim = {gdim!r}: 2 or 3")
         if kind is None:
             raise ValueError(
-                f"{path}: a mesh is read from a .msh (gmsh) or an .xdmf (DOLFINx) file; convert it, e.g. with gmsh"
+                f"{path}: a mesh is read from a .msh (gmsh) or an .xdmf (DOLFINx) file, or by meshio from "
+                f"{', '.join(meshio_reader.KINDS)}; convert it, e.g. with gmsh"
             )
+        if sets is not None and (isinstance(sets, str) or not all(isinstance(name, str) for name in sets)):
+            raise TypeError(f"sets must be a list of names, found {sets!r:.60}")
+        if sets is not None and kind != "meshio":
+            raise ValueError("sets is for files that meshio reads; of a .msh file all physical groups are tags")
+        ranks.same(sets=None if sets is None else list(sets))
         ranks.same(required_cell_tags=list(required_cell_tags), required_facet_tags=list(required_facet_tags))
-    result, tags_in_file, numbers = (_read_msh if kind == "msh" else _read_xdmf)(path, comm, gdim)
+    if kind == "xdmf":
+        result, tags_in_file, numbers = _read_xdmf(path, comm, gdim)
+    elif kind == "msh":
+        together(comm, lambda: _check_msh_text(path))
+        result, tags_in_file, numbers = _read_gmsh(path, comm, gdim, lambda gmsh: _merge(gmsh, path))
+    else:
+        result, tags_in_file, numbers = _read_gmsh(path, comm, gdim, lambda gmsh: _fill(gmsh, path, sets))
     result.report = check_mesh(
         result.mesh, result.cell_tags, result.facet_tags, required_cell_tags, required_facet_tags,
         cell_names=result.cell_names, facet_names=result.facet_names, where=str(path), numbers=numbers,
@@ -146,17 +164,46 @@ def _exists(path: Path) -> None:
 # --- gmsh -----------------------------------------------------------------------------------------------------------
 
 
-def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshInput, dict[int, int], IntArray | None]:
-    """Read a gmsh file. Collective.
+def _merge(gmsh: ModuleType, path: Path) -> list[str]:
+    """Read a gmsh file into gmsh's current model, on rank 0."""
+    try:
+        gmsh.merge(str(path))
+    except Exception as error:
+        said = "; ".join(line for line in gmsh.logger.get() if line.startswith("Error")) or str(error)
+        raise ValueError(f"{path}: gmsh cannot read it ({said}); it is damaged, write it again") from error
+    return []
+
+
+def _fill(gmsh: ModuleType, path: Path, sets: Sequence[str] | None) -> list[str]:
+    """Read another program's file into gmsh's current model, on rank 0.
+
+    Returns:
+        What was left out.
+    """
+    _exists(path)
+    mesh = meshio_reader.read_sets(path, sets)
+    meshio_reader.fill(gmsh, mesh)
+    return mesh.notes
+
+
+def _read_gmsh(
+    path: Path, comm: MPI.Intracomm, gdim: int | None, fill: Callable[[ModuleType], list[str]]
+) -> tuple[MeshInput, dict[int, int], IntArray | None]:
+    """Read a mesh by way of gmsh. Collective.
+
+    Args:
+        path: file.
+        comm: communicator of the mesh.
+        gdim: geometric dimension that was asked for, or None [1].
+        fill: function that brings the file into gmsh's current model, and returns what was left out; for rank 0.
 
     Returns:
         Mesh and tags, number of facets in the file by tag, and gmsh's numbers of the cells (on rank 0 only).
     """
-    together(comm, lambda: _check_msh_text(path))
     try:
         import gmsh
     except ImportError as error:
-        raise RuntimeError(f"{path}: reading .msh files needs the Python module gmsh") from error
+        raise RuntimeError(f"{path}: reading {path.suffix} files needs the Python module gmsh") from error
     state: dict[str, Any] = {}
 
     def load() -> tuple[int, dict[str, int], dict[str, int], dict[int, int], list[str]]:
@@ -168,14 +215,10 @@ def _read_msh(path: Path, comm: MPI.Intracomm, gdim: int | None) -> tuple[MeshIn
         state["before"] = gmsh.model.getCurrent()
         gmsh.model.add("dolfinx_impact.io.mesh_reader")
         gmsh.logger.start()
-        try:
-            gmsh.merge(str(path))
-        except Exception as error:
-            said = "; ".join(line for line in gmsh.logger.get() if line.startswith("Error")) or str(error)
-            raise ValueError(f"{path}: gmsh cannot read it ({said}); it is damaged, write it again") from error
-        found = _check_msh_model(gmsh.model, path, gdim)
+        left_out = fill(gmsh)
+        *found, notes = _check_msh_model(gmsh.model, path, gdim)
         state["numbers"] = _cell_numbers(gmsh.model)
-        return found
+        return *found, [*left_out, *notes]
 
     try:
         dimension, cell_names, facet_names, facets, notes = together(comm, load)

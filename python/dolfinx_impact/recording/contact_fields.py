@@ -12,7 +12,7 @@ from dolfinx.fem import FunctionSpace
 from ..contact.output import ContactOutput
 from .names import AXES, dimension
 
-VECTORS = ("traction", "shear_traction", "slip")
+VECTORS = ("traction", "shear_traction", "slip", "slip_velocity")
 GAP = "gap"
 
 

@@ -16,7 +16,7 @@ from ..assembly.history_field import HistoryField
 from ..assembly.body_stress import NO_STRESS
 from ..materials import Material
 from .expression_fields import known_names
-from .names import CONTACT, MOTION
+from .names import CONTACT, MOTION, SLIDING
 from .output_options import OutputOptions
 
 
@@ -60,6 +60,16 @@ def body_names(problem: RecordedProblem) -> list[str]:
     return [*(problem.history if problem.has_history else ()), STRESS, VON_MISES]
 
 
+def contact_names(problem: RecordedProblem) -> list[str]:
+    """Names of the fields that all contacts of a problem have.
+
+    Args:
+        problem: the problem.
+    """
+    known = (*CONTACT, *SLIDING)
+    return [name for name in known if problem.contact and all(name in c.fields for c in problem.contact)]
+
+
 def check_fields(
     problem: RecordedProblem, fields: Iterable[str], motion: Sequence[str], options: OutputOptions
 ) -> tuple[str, ...]:
@@ -85,7 +95,7 @@ def check_fields(
     if wrong:
         raise TypeError(f"fields must hold names, found {type(wrong[0]).__name__}: UFL goes into expressions={{...}}")
     given = known_names(options.expressions)
-    own = [*body_names(problem), *motion, *(CONTACT if problem.contact else ())]
+    own = [*body_names(problem), *motion, *contact_names(problem)]
     twice = [name for name in options.expressions if name in (*own, *MOTION, *CONTACT)]
     if twice:
         raise ValueError(f"expressions {twice}: the problem has fields of these names, take others")

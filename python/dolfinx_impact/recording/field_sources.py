@@ -13,9 +13,9 @@ from ..assembly.history_field import HistoryField
 from .body_fields import BodyFields
 from .contact_fields import ContactFields
 from .expression_fields import expression_field, known_names
-from .field_arguments import RecordedProblem, body_names
+from .field_arguments import RecordedProblem, body_names, contact_names
 from .field_source import FieldSource, MotionFields
-from .names import CONTACT, dimension
+from .names import dimension
 from .output_options import OutputOptions
 
 
@@ -44,7 +44,7 @@ def field_sources(
             for name in of_bodies
         ]
         sources.append(BodyFields(problem.space.mesh, fields, [dimension(name) for name in of_bodies]))
-    of_contacts = [name for name in names if name in CONTACT and name not in given]
+    of_contacts = [name for name in names if name in contact_names(problem) and name not in given]
     if of_contacts:
         sources.append(ContactFields(problem.space, problem.contact, of_contacts))
     return sources

@@ -15,6 +15,7 @@ BODY = {
     plasticity.THICKNESS_STRAIN: "1",
     plasticity.BACK_STRESS: "F/L^2",
 }
+SLIDING = {"slip_velocity": "L/T"}  # of contacts with friction in steady rolling
 AXES = "xyz"
 
 
@@ -27,4 +28,4 @@ def dimension(name: str) -> str:
     Returns:
         Dimension in L, F, T; empty where it is not known, as of internal variables of a law of one's own.
     """
-    return {**MOTION, **CONTACT, **BODY}.get(name, "")
+    return {**MOTION, **CONTACT, **SLIDING, **BODY}.get(name, "")

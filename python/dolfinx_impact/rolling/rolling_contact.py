@@ -45,6 +45,10 @@ class RollingContact(LagrangeContact):
         return _cpp.rolling.RollingContact(V, slave, master, options, fixed, self.spec.flow._cpp_object)
 
     @property
+    def fields(self) -> tuple[str, ...]:
+        return (*super().fields, "slip_velocity")
+
+    @property
     def slip_velocity(self) -> FloatArray:
         """Slip velocity of slave against master, (n, gdim) [L/T]."""
         return self._cpp_object.slip_velocity

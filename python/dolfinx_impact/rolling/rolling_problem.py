@@ -18,17 +18,22 @@ from ..assembly.ffcx_form import ffcx_form
 from .. import _cpp
 from ..assembly import problem_arguments
 from ..assembly.material_history import HistoryField, MaterialHistory
+from ..assembly.resultant import Resultant
 from ..common import arguments
 from ..io.given_arguments import GivenArguments, cells_with
 from ..common.collective import comm_of, guard
 from ..common.progress_bar import ProgressBar
 from ..common.types import ArrayLike, FilePath, FloatArray, IntArray
 from ..common.unique import Unique
+from ..common.units import Units
 from ..added_mass import added_masses
 from ..foundation import foundations
 from ..loads import Load
 from ..materials import MaterialMap, _Material
+from ..recording.field_arguments import check_fields
+from ..recording.output_options import output_options
 from ..statics.linear_solver import LinearSolver
+from ..statics.load_step_recorder import LoadStepRecorder
 from ..statics.load_steps import Limits, Report
 from ..statics.static_problem import StaticProblem
 from . import inputs, revolution, sweep
@@ -36,6 +41,7 @@ from .rolling_contact import RollingContact, RollingLagrange
 from .flow import Flow
 from .motions import Spin, Translation
 from .power_balance import PowerBalance
+from .recorded_states import RecordedStates
 from .sweep import Fingerprint
 from .sweep_state import SweepState
 from .transport import Transport
@@ -120,6 +126,7 @@ class RollingProblem(Unique):
         self._equilibrium = StaticProblem(
             u, material, bcs=bcs, loads=everything, contact=contact, options=options, prefix=prefix
         )
+        self._recorded = RecordedStates(self._equilibrium)
         self._transport = (
             Transport(self._equilibrium, self._flow) if self._equilibrium.body.properties.inelastic else None
         )
@@ -266,7 +273,9 @@ class RollingProblem(Unique):
             return report
 
         if self._transport is None:
-            return equilibrium(steps)
+            report = equilibrium(steps)
+            self._recorded.solved()
+            return report
         self._transport.update()
         found = False
         try:
@@ -275,7 +284,42 @@ class RollingProblem(Unique):
         finally:
             if not found:
                 self._cpp_object.bring_back(good)
+        self._recorded.solved()
         return report
+
+    def record(
+        self,
+        path: FilePath | None = None,
+        fields: Sequence[str] = ("displacement",),
+        expressions: Mapping[str, ufl.core.expr.Expr] | None = None,
+        ending: str = ".bp",
+        units: Units | None = None,
+    ) -> LoadStepRecorder:
+        """Write fields and contact forces of each steady state into a folder: after each `solve`, and after each point
+        of a `sweep`. Collective.
+
+        Args:
+            path: folder; None as for RunFolder.
+            fields: as of StaticProblem.record; of contacts with friction also slip_velocity.
+            expressions: further fields, as of StaticProblem.record.
+            ending: ".bp" or ".xdmf".
+            units: units that the names of fields end with; None: names alone.
+
+        Returns:
+            Recorder, whose load steps are the numbers of the steady states; call its `close()` at the end.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a field is unknown; on all ranks.
+            RuntimeError: the folder cannot be written; on all ranks.
+        """
+        with guard(self.u.function_space.mesh.comm, "RollingProblem.record", path=path, fields=fields) as ranks:
+            if path is not None:
+                arguments.path("path", path)
+            options = output_options(expressions, ending, units)
+            names = check_fields(self._recorded, fields, ["displacement"], options)
+            ranks.same(output=options)
+        return LoadStepRecorder(self._recorded, path, names, 1, options)
 
     def sweep(
         self,
@@ -388,6 +432,27 @@ class RollingProblem(Unique):
     def reactions(self) -> fem.Function:
         """Support forces at prescribed degrees of freedom, round-off elsewhere [F]. Collective."""
         return self._equilibrium.reactions()
+
+    def reaction(self, where: Any = None, point: ArrayLike | None = None) -> Resultant:
+        """Force and moment of supports on the bodies, as of StaticProblem.reaction. Collective.
+
+        Args:
+            where: boundary condition, pair (facet_tags, tag), or None: all supports.
+            point: point that the moment is about, (gdim); None: the origin [L].
+
+        Returns:
+            Resultant.
+
+        Raises:
+            TypeError: an argument is of the wrong type; on all ranks.
+            ValueError: a condition or tags of another mesh or space; on all ranks.
+        """
+        return self._equilibrium.reaction(where, point)
+
+    @property
+    def has_history(self) -> bool:
+        """Whether a material has internal variables."""
+        return self._equilibrium.has_history
 
     @property
     def torque(self) -> float:

@@ -35,6 +35,7 @@ from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
+from ..contact.names import named_apart
 from ..contact.protocol import BodyTangent
 from ..loads import Load
 from ..materials import MaterialMap, _Material
@@ -155,7 +156,7 @@ class StaticProblem(BodyResults):
             self.fixed[bc.dof_indices()[0]] = True
         self.recorders: list[LoadStepRecorder] = []
         self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
-            [c._bind(self) for c in contact]
+            [c._bind(self) for c in named_apart(contact)]
         )
         make_room(V)
         self._cpp_object = _cpp.problems.StaticProblem(

@@ -102,6 +102,36 @@ def disc(cell: str, degree: int, variation: RandomVariation = RandomVariation())
         )
 
 
+def adjusted(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Scenario]:
+    """Bodies whose gaps are not the distances of their meshes: bars with a layer between them, and a disc on a block
+    whose nodes have all the same gap at the start.
+
+    Args:
+        cell: cell.
+        degree: degree of the displacement, 1 or 2.
+        variation: random variation of the runs.
+
+    Yields:
+        Runs.
+    """
+    methods: tuple[tuple[str, dict[str, Any]], ...]
+    methods = (("penalty", {}), ("penalty", {"balanced": True}), ("kinematic", {}))
+    for kind, options in methods:
+        balanced = "balanced " if options else ""
+        domain, tags = two_bodies(cell, (3, 12), (3, 9), start=(0.04,), length=(0.92,))
+        open_gap(domain, 0.013)
+        variation.rotate_upper_body(domain)
+        body = body_of(domain, tags, degree, "plane_strain", nu=0.3)
+        body.adjustment = {"offset": 0.01}
+        yield Scenario(f"two bars with a layer, {balanced}{kind}", body, falling(0.02), contact=kind, options=options)
+        disc = disc_on_block(cell, degree, 8, variation.rotate_upper_body)
+        disc.adjustment = {"clearance": 0.005}
+        yield Scenario(
+            f"disc with a clearance, {balanced}{kind}", disc, falling(0.03, 0.02), contact=kind, options=options,
+            fixed_nodes=nodes_at_bottom(disc),
+        )  # fmt: skip
+
+
 def blocks(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Scenario]:
     """A block thrown on another one in space, with friction.
 
@@ -313,6 +343,7 @@ RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("triangle", 1, bars),
     ("quadrilateral", 2, bars),
     ("quadrilateral", 1, disc),
+    ("quadrilateral", 1, adjusted),
     ("hexahedron", 1, blocks),
     ("tetrahedron", 1, blocks),
     ("quadrilateral", 1, smooth_hill),

@@ -125,6 +125,25 @@ def bars(cell: str, degree: int, variation: RandomVariation = RandomVariation())
         yield Scenario(name, body, falling(0.02), Implicit({"rho_inf": 0.8}, impact=impact), kind)
 
 
+def adjusted(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Scenario]:
+    """Two bars that meet by the layer between them.
+
+    Args:
+        cell: cell.
+        degree: degree of the displacement, 1 or 2.
+        variation: random variation of the runs.
+
+    Yields:
+        Runs.
+    """
+    domain, tags = two_bodies(cell, (2, 8), (2, 5), start=(0.04,), length=(0.92,))
+    open_gap(domain, 0.013)
+    variation.rotate_upper_body(domain)
+    body = body_of(domain, tags, degree, "plane_strain")
+    body.adjustment = {"offset": 0.01}
+    yield Scenario("two bars with a layer, penalty", body, falling(0.02), Implicit({"rho_inf": 0.8}), "penalty")
+
+
 def disc(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Scenario]:
     """A disc that falls on a block at an angle, with friction: it starts to roll.
 
@@ -191,6 +210,7 @@ RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("hexahedron", 1, without_contact),
     ("tetrahedron", 2, without_contact),
     ("quadrilateral", 1, bars),
+    ("quadrilateral", 1, adjusted),
     ("triangle", 1, bars),
     ("quadrilateral", 2, bars),
     ("quadrilateral", 1, disc),

@@ -72,7 +72,7 @@ def _nodal_contacts(case: Scenario, dt: float) -> list[Any]:
     body = case.body
     kind = impact_reference.NodalPenalty if case.contact == "penalty" else impact_reference.NodalKinematic
     slave = body.their_facets(body.tags, SLAVE)
-    options = dict(case.options)
+    options = {**case.options, **body.adjustment}
     if body.rigid:
         master: Any = body.rigid[1]
         options["motion"] = case.obstacle

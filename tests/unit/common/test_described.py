@@ -68,7 +68,7 @@ def test_rigid_obstacles():
 
 def test_pairs(facet_tags):
     pair = di.ContactPair(facet_tags, slave=1, master=2, friction=0.3)
-    assert repr(pair) == "ContactPair('contact 1-2': slave 1, master 2, friction 0.3)"
+    assert repr(pair) == "ContactPair('1 on 2': slave 1, master 2, friction 0.3)"
     ball = di.RigidSphere((0, 2), 1)
     named = di.ContactPair(facet_tags, slave=1, master=ball, name="ball")
     assert repr(named) == f"ContactPair('ball': slave 1, master {ball!r}, friction 0.0)"

@@ -113,3 +113,8 @@ def test_contacts_print_what_they_are(kind, method):
     force = problem.contact[0].force
     assert f"({force[0]:.6g}, {force[1]:.6g})" in text and force[1] > 0.0
     assert " object at 0x" not in text
+    shapes = text.split("arrays ")[1].rstrip(")") + ")"
+    for names, shape in (part.rsplit(" (", 1) for part in shapes.split("; ")):
+        for name in names.split(", "):
+            values = getattr(problem.contact[0], name)
+            assert values.shape == tuple(int(n) for n in shape.rstrip(")").split(",") if n.strip()), name

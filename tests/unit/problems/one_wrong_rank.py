@@ -44,6 +44,9 @@ class Setting:
         self.loaded = di.StaticProblem(
             fem.Function(self.V, name="u"), law(), bcs=[self.bc], loads=[di.BodyForce((0, 1))]
         )
+        self.touching = di.StaticProblem(
+            fem.Function(self.V, name="u"), law(), bcs=[self.bc], contact=[di.Lagrange(self.pair)]
+        )
         self.run = self.explicit()
         load = di.BodyForce((0, 1), amplitude=self._amplitude)
         self.driven = di.ExplicitProblem(fem.Function(self.V, name="u"), law(), velocity=self.velocity, loads=[load])
@@ -244,6 +247,8 @@ def calls_of_parts(s):
         ("MaterialMap, no tags", lambda t: di.MaterialMap(t, {1: law()}), s.cells, None, TypeError, "MeshTags"),
         ("ContactPair, tags", lambda t: di.ContactPair(t, 3, 4), s.tags, None, TypeError, "MeshTags"),
         ("ContactPair, slave", lambda t: di.ContactPair(s.tags, t, 4), 3, "3", TypeError, "integer"),
+        ("ContactPair, masters", lambda t: di.ContactPair(s.tags, 3, t), [4, 5], [4, 4], ValueError, "twice"),
+        ("contact, function", s.touching.contact[0].function, "gap", "stress", ValueError, "no field"),
         ("ContactPair, friction", lambda f: di.ContactPair(s.tags, 3, 4, f), 0.0, -1.0, ValueError, "friction"),
         ("ContactPair, plane", lambda y: di.ContactPair(s.tags, 3, di.RigidPlane((0, y), (0, 1))), 0.0, 0.1, ValueError,
          "master differs"),
@@ -298,6 +303,8 @@ def calls_of_rolling_problems(s):
          "RollingProblem"),
         ("from_rolling, penalty", lambda p: di.ExplicitProblem.from_rolling(problem, penalty=p), "auto", 1.0,
          ValueError, "penalty differs"),
+        ("rolling record, fields", lambda f: problem.record(s.folder, f), ["displacement"], ["stresses"], ValueError,
+         "stresses"),
         ("frequencies, n", problem.frequencies, 1, 0, ValueError, "positive integer"),
         ("frequencies, another n", problem.frequencies, 1, 2, ValueError, "n differs"),
         ("frequencies, tolerance", lambda t: problem.frequencies(1, t), 1e-8, -1.0, ValueError, "tolerance is -1"),

@@ -54,7 +54,7 @@ public:
   void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
                       std::span<const double> mass) override;
   double largest_position() const override { return 0.0; }
-  void set_obstacle(const std::array<double, 3>&, const std::array<double, 3>&) override {}
+  void set_obstacle(const gap::RigidMotion&) override {}
   double increment_used(const NodalState& state) const override { return _candidates.increment_used(state); }
   void forget_search() override { _candidates.forget(); }
   void update_gaps(std::span<const double>) override {}

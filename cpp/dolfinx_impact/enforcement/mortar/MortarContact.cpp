@@ -5,6 +5,7 @@
 #include "../../gap/crossing.h"
 #include "../../gap/nearly_touching.h"
 #include "../../gap/obstacle_side.h"
+#include "../../gap/search_distance.h"
 #include "../../operators/petsc_check.h"
 #include "DeformableGeometry.h"
 #include "JoinedNodes.h"
@@ -13,6 +14,7 @@
 #include "node_edges.h"
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
@@ -46,9 +48,19 @@ std::unique_ptr<MortarGeometry> make_geometry(std::shared_ptr<const surface::Fun
   return out;
 }
 
+/// Options with a search distance within which layers touch. Collective.
+MortarOptions with_reach(MortarOptions options, const surface::FunctionSpace& V, const surface::Facets& slave,
+                         const MortarContact::Master& master)
+{
+  const surface::Facets* facets = std::get_if<surface::Facets>(&master);
+  options.search_distance =
+      gap::search_distance(V.mesh()->comm(), slave, facets, options.search_distance, options.adjustment.offset);
+  return options;
+}
+
 gap::InitialPenetration initial_penetration(const MortarOptions& options, const MortarGeometry& g)
 {
-  return {options.name, g.space(), g.slave(), g.master(), g.now().points, g.now().gap, options.remove_penetration};
+  return {options.name, g.space(), g.slave(), g.master(), g.now().points, g.now().gap, options.adjustment};
 }
 
 /// Multiply a node's block with a vector: gdim*gdim entries.
@@ -74,7 +86,7 @@ MortarState::MortarState(int gdim, std::size_t num)
 
 MortarContact::MortarContact(std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                              const Master& master, MortarOptions options, std::vector<std::int8_t> fixed)
-    : _options(std::move(options)),
+    : _options(with_reach(std::move(options), *V, slave, master)),
       _geometry(make_geometry(std::move(V), std::move(slave), master, _options, std::move(fixed))),
       _initial(enforcement::initial_penetration(_options, *_geometry)),
       _state(_geometry->gdim(), _geometry->num_nodes()), _coulomb(_geometry->gdim(), _geometry->num_nodes()),
@@ -82,7 +94,8 @@ MortarContact::MortarContact(std::shared_ptr<const surface::FunctionSpace> V, su
       _nodal_stiffness(_geometry->num_nodes(), 1.0), _facing_stiffness(_geometry->num_nodes(), 0.0)
 {
   _geometry->offset = _initial.offset();
-  const SlaveNodes& n = _geometry->now();
+  SlaveNodes& n = _geometry->now();
+  std::transform(n.gap.begin(), n.gap.end(), _geometry->offset.begin(), n.gap.begin(), std::plus<double>());
   _frames = frames_at(_geometry->gdim(), n.normal, _geometry->fixed());
   _at = _linearised = {n.gap, std::vector<double>(n.normal.size(), 0.0)};
   _linear_tilt.assign(n.normal.size(), 0.0);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../gap/GapAdjustment.h"
 #include "../../gap/mortar.h"
 #include <optional>
 #include <string>
@@ -22,7 +23,7 @@ struct MortarOptions
   std::optional<int> quadrature_degree = std::nullopt; ///< nothing: exact on flat, affine facets
   double search_distance = 0.0;                        ///< slave and master are paired within it; 0: twice a facet [L]
   bool axisymmetric = false;                           ///< x is the radius
-  bool remove_penetration = false;                     ///< gaps count from initial penetrations
+  gap::GapAdjustment adjustment = {};                  ///< of gaps in the reference configuration
   bool may_share_nodes = true;                         ///< with other contacts
   Slip slip = Slip::of_increments;                     ///< that friction is of
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "NodeToSurface.h"
 #include "../../common/gather.h"
+#include "../../gap/search_distance.h"
 #include "../../search/closest_point/linear_facet.h"
 #include <algorithm>
 #include <cmath>
@@ -52,7 +53,11 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
                              const surface::Facets* master, const gap::Rigid* rigid,
                              const NodeToSurfaceOptions& options)
     : _options(checked(options)), _gdim(slave.gdim), _rigid(rigid != nullptr), _obstacle(rigid ? *rigid : gap::Rigid{}),
-      _candidates(V, slave, master, options.search_distance, options.axisymmetric), _tracker(_gdim, _candidates.X())
+      _candidates(
+          V, slave, master,
+          gap::search_distance(V.mesh()->comm(), slave, master, options.search_distance, options.adjustment.offset),
+          options.axisymmetric),
+      _tracker(_gdim, _candidates.X())
 {
   if (rigid)
   {
@@ -90,6 +95,59 @@ NodeToSurface::NodeToSurface(const surface::FunctionSpace& V, const surface::Fac
   _closed.assign(n, 0);
   for (double area : _candidates.areas())
     _per_area.push_back(1.0 / area);
+  if (_options.adjustment.any())
+  {
+    const std::vector<double> gaps = reference_gaps(V);
+    _initial.emplace(_options.name, V, slave, master, _candidates.X(), gaps, _options.adjustment);
+    _shift = _initial->offset();
+  }
+}
+
+/// Gaps of the slave nodes between the meshed surfaces in the reference configuration, infinite beside the master.
+/// Collective.
+std::vector<double> NodeToSurface::reference_gaps(const surface::FunctionSpace& V)
+{
+  const std::size_t n = num_nodes();
+  std::vector<double> out(n);
+  if (_rigid)
+  {
+    gap::Rigid undisplaced = _obstacle;
+    undisplaced.displacement = {};
+    for (std::size_t i = 0; i < n; ++i)
+      out[i] = gap::evaluate(undisplaced, std::span<const double>(_candidates.X()).subspan(i * _gdim, _gdim)).gap;
+    return out;
+  }
+  const auto map = V.dofmap()->index_map;
+  _candidates.search(std::vector<double>(std::size_t(map->size_local()) * _gdim, 0.0), {}, 0.0);
+  std::vector<std::int64_t> ghosts(map->ghosts().begin(), map->ghosts().end());
+  std::vector<int> owners(map->owners().begin(), map->owners().end());
+  ghosts.insert(ghosts.end(), _candidates.remote_nodes().begin(), _candidates.remote_nodes().end());
+  owners.insert(owners.end(), _candidates.remote_owners().begin(), _candidates.remote_owners().end());
+  operators::Halo halo(
+      std::make_shared<const dolfinx::common::IndexMap>(map->comm(), map->size_local(), ghosts, owners));
+  std::vector<std::int32_t> same(halo.num_nodes());
+  std::iota(same.begin(), same.end(), 0);
+  NodeToSurface::required_nodes(halo);
+  NodeToSurface::assign_numbers(halo, same, std::vector<double>(same.size(), 1.0));
+  const std::vector<double> still(same.size() * _gdim, 0.0);
+  _tracker.advance(still.data(), still.data());
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    const Projection at = _tracker.locate(i, still.data(), still.data());
+    const bool beside = at.rim == Projection::Rim::beside || at.rim == Projection::Rim::below;
+    out[i] = beside ? std::numeric_limits<double>::infinity() : at.gap;
+  }
+  _candidates.forget();
+  _halo = nullptr; // it ends here, and the first step takes another one
+  return out;
+}
+
+search::Projection NodeToSurface::adjusted(std::size_t i, Projection at) const
+{
+  // Layers end where the master does, and nodes beside it were not adjusted.
+  if (!_shift.empty() && at.rim != Projection::Rim::beside && at.rim != Projection::Rim::below)
+    at.gap += _shift[i];
+  return at;
 }
 
 void NodeToSurface::search(std::span<const double> u, std::span<const double> du)
@@ -248,7 +306,8 @@ std::optional<std::int64_t> NodeToSurface::too_deep(std::span<const double> u) c
     double x[3];
     for (int c = 0; c < _gdim; ++c)
       x[c] = _candidates.X()[i * _gdim + c] + u[std::size_t(_candidates.nodes()[i]) * _gdim + c];
-    deep += gap::evaluate(_obstacle, std::span(x, _gdim)).gap < -0.5 * _facet_length;
+    const double adjustment = _shift.empty() ? 0.0 : _shift[i];
+    deep += gap::evaluate(_obstacle, std::span(x, _gdim)).gap + adjustment < -0.5 * _facet_length;
   }
   return deep;
 }
@@ -310,7 +369,18 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
 {
   _results.gap[i] = at.gap;
   if (!_rigid)
-    _tracker.release(i, at, u);
+  {
+    Projection meshed = at;
+    if (!_shift.empty())
+    {
+      if (at.rim != Projection::Rim::beside && at.rim != Projection::Rim::below)
+        meshed.gap -= _shift[i];
+      // What is skipped stays clear of the meshed surface, which is farther than its layers.
+      if (_shift[i] < 0.0)
+        meshed.clearance = 0.0;
+    }
+    _tracker.release(i, meshed, u);
+  }
   if (_results.status[i] == ContactStatus::open && _closed[i] != 1)
     return; // the node was open already: its results are zero
   drop_stored_energy(i);
@@ -338,7 +408,7 @@ bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* d
 {
   point.i = i;
   point.node = _candidates.numbers()[i];
-  point.at = _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du);
+  point.at = adjusted(i, _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du));
   Projection& at = point.at;
   if (at.gap < 0.0 && at.gap > -rounding(i, u))
     at.gap = 0.0;
@@ -375,7 +445,7 @@ void NodeToSurface::update_gaps(std::span<const double> displacements)
   for (std::size_t i = 0; i < num_nodes(); ++i)
     if (_closed[i] != 1)
     {
-      const Projection at = _tracker.evaluate(i, u, moved);
+      const Projection at = adjusted(i, _tracker.evaluate(i, u, moved));
       _results.gap[i] = at.gap;
       std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
     }
@@ -398,7 +468,7 @@ bool NodeToSurface::is_marked(const ContactPoint& point, const double* u, const 
     closed = closed == marked ? 0 : closed;
   else if (closed == 0 && -at.gap > shallow * diameter)
   {
-    const Projection before = _tracker.locate_before(point.i, u, du);
+    const Projection before = point_before(point.i, u, du, 1.0);
     const bool met = std::isfinite(before.gap) && before.rim != Projection::Rim::below;
     const double depth = 0.5 * diameter;
     if (!met || (-at.gap > depth && !(before.gap > -depth)))
@@ -412,7 +482,7 @@ bool NodeToSurface::is_marked(const ContactPoint& point, const double* u, const 
 
 Projection NodeToSurface::point_before(std::size_t i, const double* u, const double* du, double back) const
 {
-  return _rigid ? rigid_point(i, u, du, back) : _tracker.locate_before(i, u, du, back);
+  return adjusted(i, _rigid ? rigid_point(i, u, du, back) : _tracker.locate_before(i, u, du, back));
 }
 
 void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const double* u, const double* du,

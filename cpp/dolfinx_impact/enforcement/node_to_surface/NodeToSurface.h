@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../gap/InitialPenetration.h"
 #include "../../gap/Rigid.h"
 #include "../../search/node_tracker/NodeTracker.h"
 #include "../ContactStatus.h"
@@ -16,9 +17,11 @@ namespace dolfinx_impact::enforcement
 /// Options of every node-to-surface contact.
 struct NodeToSurfaceOptions
 {
-  double friction = 0.0;        ///< coefficient [1]
-  double search_distance = 0.0; ///< 0 means the largest facet diameter [L]
-  bool axisymmetric = false;    ///< nodal areas are multiplied by 2 pi R
+  double friction = 0.0;              ///< coefficient [1]
+  double search_distance = 0.0;       ///< 0 means the largest facet diameter [L]
+  bool axisymmetric = false;          ///< nodal areas are multiplied by 2 pi R
+  std::string name = "contact";       ///< for messages
+  gap::GapAdjustment adjustment = {}; ///< of gaps in the reference configuration
 };
 
 /// Results of the last step at the slave nodes that this rank owns. Vectors: [i*gdim + c].
@@ -71,6 +74,8 @@ public:
   /// deformable.
   /// @param[in] u displacements of owned nodes of the space [L]
   std::optional<std::int64_t> too_deep(std::span<const double> u) const;
+  /// Penetrations in the reference configuration and what gaps were adjusted by; nothing unless that was asked for.
+  const std::optional<gap::InitialPenetration>& initial() const { return _initial; }
   /// Number of nodes that were left open because their first penetration was implausibly deep.
   std::int64_t implausible() const { return _num_implausible; }
   /// By node: "tangential" forces [F], "slip" [L], "xi" and "facet" (coordinates on and id of the master's facet that
@@ -162,6 +167,9 @@ protected:
   Passage _passage;
 
 private:
+  std::vector<double> reference_gaps(const surface::FunctionSpace& V);
+  /// A projection whose gap is that of the node, adjusted as it was in the reference configuration.
+  search::Projection adjusted(std::size_t i, search::Projection at) const;
   double rounding(std::size_t i, const double* u) const;
   bool is_marked(const ContactPoint& point, const double* u, const double* du);
   /// Projection in the configuration u - back*du.
@@ -177,6 +185,8 @@ private:
   std::vector<std::int32_t> _needed;
   surface::Facets _facets, _slave_facets; ///< candidates; slave facets at the nodes
   std::vector<double> _areas;
+  std::optional<gap::InitialPenetration> _initial;
+  std::vector<double> _shift; ///< added to gaps, by slave node; empty: nothing [L]
   std::int64_t _num_implausible = 0;
   double _facet_length = 0.0;
   double _undisplaced_size = 0.0, _obstacle_size = 0.0; ///< of the numbers in the rigid master's position [L]

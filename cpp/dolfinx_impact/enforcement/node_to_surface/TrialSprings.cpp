@@ -18,8 +18,11 @@ std::shared_ptr<NodePenalty> springs_of(const surface::FunctionSpace& V, const N
   if (!contact)
     throw std::invalid_argument("springs are tried of contacts that have surfaces (NodeToSurface)");
   const auto* springs = dynamic_cast<const NodePenalty*>(contact);
-  const NodePenaltyOptions options = springs ? springs->penalty_options() : NodePenaltyOptions{contact->options()};
+  NodePenaltyOptions options = springs ? springs->penalty_options() : NodePenaltyOptions{contact->options()};
   const NodeCandidates& surfaces = contact->candidates();
+  if (options.adjustment.any()) // where springs are does not depend on it, but on how far surfaces are searched for
+    options.search_distance = surfaces.distance();
+  options.adjustment = {};
   auto out = contact->obstacle() ? std::make_shared<NodePenalty>(V, surfaces.slave(), *contact->obstacle(), options)
                                  : std::make_shared<NodePenalty>(V, surfaces.slave(), surfaces.master(), options);
   if (springs && !springs->nodal_compliances().slave.empty())

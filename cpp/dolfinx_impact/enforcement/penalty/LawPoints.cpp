@@ -49,7 +49,7 @@ void LawPoints::evaluate(const gap::Points& points, const Motion& motion, const 
   std::size_t num = 0;
   for (std::size_t q = 0; q < points.size(); ++q)
   {
-    const double gap = points.gap[q] + motion.offset[q];
+    const double gap = points.gap[q] + (points.beside[q] ? 0.0 : motion.offset[q]);
     const bool asked = std::isfinite(gap) && gap <= _law->reach();
     _place[q] = asked ? std::int32_t(num++) : -1;
     _acts[q] = 0;
@@ -68,7 +68,7 @@ void LawPoints::evaluate(const gap::Points& points, const Motion& motion, const 
     const double* n = points.normal.data() + q * gdim;
     const double* moved = motion.increment.data() + q * gdim;
     _points.row[p] = std::int32_t(q);
-    _points.gap[p] = points.gap[q] + motion.offset[q];
+    _points.gap[p] = points.gap[q] + (points.beside[q] ? 0.0 : motion.offset[q]);
     const double along = dot(n, moved, gdim);
     _knows_gap[p] = std::isfinite(_last_gap[q]);
     _points.gap_rate[p] = per_step * (_knows_gap[p] ? _points.gap[p] - _last_gap[q] : along);

@@ -5,6 +5,7 @@
 #include "../../gap/mortar.h"
 #include "../../gap/nearly_touching.h"
 #include "../../gap/obstacle_side.h"
+#include "../../gap/search_distance.h"
 #include "../../operators/body_size.h"
 #include "../../operators/nodal_sums.h"
 #include "automatic_penalty.h"
@@ -78,14 +79,22 @@ const PenaltyOptions& checked(const PenaltyOptions& o)
     throw std::invalid_argument("a law of the interface stands in the place of penalties, friction and augmentation");
   return o;
 }
+
+/// Options with a search distance within which layers touch. Collective.
+PenaltyOptions with_reach(PenaltyOptions o, MPI_Comm comm, const surface::Facets& slave, const surface::Facets* master)
+{
+  o.search_distance = gap::search_distance(comm, slave, master, o.search_distance, o.adjustment.offset);
+  return o;
+}
 } // namespace
 
 QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
                                      surface::Facets slave, std::optional<surface::Facets> master,
                                      std::shared_ptr<gap::Rigid> rigid, const PenaltyOptions& options,
                                      TangentFunction bodies)
-    : _name(std::move(name)), _space(std::move(V)), _options(checked(options)), _bodies(std::move(bodies)),
-      _slave(std::move(slave)), _master(std::move(master)), _rigid(std::move(rigid)),
+    : _name(std::move(name)), _space(std::move(V)),
+      _options(with_reach(checked(options), _space->mesh()->comm(), slave, master ? &*master : nullptr)),
+      _bodies(std::move(bodies)), _slave(std::move(slave)), _master(std::move(master)), _rigid(std::move(rigid)),
       _size(operators::body_size(*_space->mesh())),
       _rule(surface::quadrature(_slave.displacement.shape, _options.quadrature_degree > 0
                                                                ? _options.quadrature_degree
@@ -110,8 +119,11 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
     _keeper->begin(_forces.points().margin);
   }
   locate(_start);
-  _initial.emplace(_name, *_space, _slave, _master ? &*_master : nullptr, at().x, at().gap,
-                   _options.remove_penetration);
+  std::vector<double> over_master = at().gap; // infinite beside it
+  for (std::size_t q = 0; q < over_master.size(); ++q)
+    if (at().beside[q])
+      over_master[q] = std::numeric_limits<double>::infinity();
+  _initial.emplace(_name, *_space, _slave, _master ? &*_master : nullptr, at().x, over_master, _options.adjustment);
   _forces.history.offset = _initial->offset();
   _gap_before = facing_gap();
 }
@@ -647,7 +659,7 @@ std::vector<double> QuadraturePenalty::gap() const
 {
   std::vector<double> out = at().gap;
   for (std::size_t q = 0; q < out.size(); ++q)
-    out[q] += _forces.history.offset[q];
+    out[q] += at().beside[q] ? 0.0 : _forces.history.offset[q];
   return out;
 }
 

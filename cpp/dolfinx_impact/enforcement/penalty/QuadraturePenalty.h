@@ -15,16 +15,16 @@ namespace dolfinx_impact::enforcement
 /// Parameters of penalty contact at quadrature points.
 struct PenaltyOptions
 {
-  double penalty = 0.0;            ///< pressure per penetration; 0: automatic_penalty [F/L^3]
-  double tangential = 0.0;         ///< tangential traction per slip, with friction; 0: equal to the penalty [F/L^3]
-  double friction = 0.0;           ///< coefficient [1]
-  bool augmented = false;          ///< increments are repeated with augmented multipliers (Uzawa)
-  double tolerance = 1e-8;         ///< largest mean penetration if augmented, relative to the size of the bodies [1]
-  int max_augmentations = 200;     ///< of an increment
-  int quadrature_degree = 0;       ///< of the rule on slave facets; 0: 2 degree + 2
-  double search_distance = 0.0;    ///< see search::PairSearch [L]
-  bool remove_penetration = false; ///< gaps count from the penetrations of the reference configuration
-  bool axisymmetric = false;       ///< x is the radius
+  double penalty = 0.0;          ///< pressure per penetration; 0: automatic_penalty [F/L^3]
+  double tangential = 0.0;       ///< tangential traction per slip, with friction; 0: equal to the penalty [F/L^3]
+  double friction = 0.0;         ///< coefficient [1]
+  bool augmented = false;        ///< increments are repeated with augmented multipliers (Uzawa)
+  double tolerance = 1e-8;       ///< largest mean penetration if augmented, relative to the size of the bodies [1]
+  int max_augmentations = 200;   ///< of an increment
+  int quadrature_degree = 0;     ///< of the rule on slave facets; 0: 2 degree + 2
+  double search_distance = 0.0;  ///< see search::PairSearch [L]
+  gap::GapAdjustment adjustment; ///< of gaps in the reference configuration
+  bool axisymmetric = false;     ///< x is the radius
   /// A law of the interface in the place of penalties and friction; null: none.
   std::shared_ptr<const InterfaceLaw> law = nullptr;
 };

@@ -43,7 +43,8 @@ void increment_derivative(const PenaltyPair& pair, std::size_t q, const Variatio
 /// Pressure, were the contact glued.
 double trial_pressure(const PenaltyPair& pair, std::size_t q)
 {
-  const double gap = pair.points.gap[q] + pair.history.offset[q];
+  // Layers end where the master does, and what is beside it was not adjusted.
+  const double gap = pair.points.gap[q] + (pair.points.beside[q] ? 0.0 : pair.history.offset[q]);
   return pair.history.multiplier[q] - pair.parameters.normal * gap;
 }
 

@@ -12,7 +12,7 @@ struct Projection
   std::int8_t entity = -1; ///< number of the edge or vertex of the facet
   enum class Rim : std::int8_t
   {
-    no,     ///< the closest point is not on the outer rim, or the node right over it (told by NodeTracker only)
+    no,     ///< the closest point is not on the outer rim, or the node right over it (SurfaceSearch: or near, below)
     near,   ///< beside it by less than a twentieth of the facet, or on it: gap and normal are those of the facet
     beside, ///< beside the rim, not below the facet's plane
     below   ///< beside the rim, below the facet's plane

@@ -108,6 +108,8 @@ void SurfaceSearch::finish(const double* x, const FacetProjection& at, Projectio
   }
   double mean[3];
   const bool ends = mean_normal(at, out.facet, mean) && beside(m.gdim, d, mean, _size[out.facet]);
+  if (ends)
+    out.rim = Projection::Rim::beside;
   const double sign = ends || dot(d, mean, m.gdim) >= 0.0 ? 1.0 : -1.0;
   out.gap = sign * at.distance;
   for (int c = 0; c < m.gdim; ++c)

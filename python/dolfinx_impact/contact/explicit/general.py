@@ -176,7 +176,7 @@ class GeneralOutput(ContactOutput):
     """
 
     initial = None
-    kind, kinematic, motion, penalty = "GeneralContact", False, None, 0.0
+    kind, kinematic, is_penalty, motion, penalty = "GeneralContact", False, True, None, 0.0
     nodes: IntArray
     weight: FloatArray
     points: FloatArray

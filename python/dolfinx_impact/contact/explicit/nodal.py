@@ -82,12 +82,13 @@ class NodalPair(ContactOutput):
             of the deformation is penetration. Zero in kinematic contact; not a number in problems of a residual of
             one's own, whose energy is not known [1].
 
+        initial: penetrations in the reference configuration; None unless the pair adjusts gaps.
+
     Raises:
-        ValueError: surfaces that do not fit the problem, `remove_penetration`, or balanced contact with a rigid master;
-            on all ranks.
+        ValueError: surfaces that do not fit the problem, or balanced contact with a rigid master; on all ranks.
     """
 
-    initial = None
+    initial: _cpp.gap.InitialPenetration | None
     nodes: IntArray
     weight: FloatArray
     points: FloatArray
@@ -114,11 +115,6 @@ class NodalPair(ContactOutput):
         self.pair, self.problem, self.V, self.by_step = pair, problem, problem.space, by_step
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
-        if pair.remove_penetration:
-            raise ValueError(
-                f"{pair.name}: remove_penetration is for static problems; move the bodies apart, explicit contact "
-                "pushes small overlaps out"
-            )
         if pair.rigid and options.get("balanced"):
             raise ValueError(f"{pair.name}: contact with a rigid master has one direction, it cannot be balanced")
         if cpp_class is _cpp.nodal.KinematicContact:
@@ -139,6 +135,8 @@ class NodalPair(ContactOutput):
             self.parameters = {**options, "law": repr(options["law"])}
         self._cpp_object = self._make(**by_class)
         self._sides = self._cpp_object.directions
+        self.initial = self._sides[0].initial
+        self._tell_of_penetration()
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
         self._X = self._sides[0].X.reshape(-1, self.gdim)
         self.motion = None
@@ -173,6 +171,8 @@ class NodalPair(ContactOutput):
             friction=pair.friction,
             search_distance=pair.search_distance or 0.0,
             axisymmetric=self.problem.axisymmetric,
+            name=pair.name,
+            adjustment=pair.adjustment,
         )
         slave, master = self._surfaces
         if balanced:

@@ -89,7 +89,7 @@ class LagrangeContact(StaticContactView):
         options = _cpp.multipliers.MortarOptions(
             name=pair.name, friction=pair.friction, basis=getattr(_cpp.gap.Multipliers, spec.basis),
             quadrature_degree=spec.quadrature_degree, search_distance=pair.search_distance or 0.0,
-            axisymmetric=problem.axisymmetric, remove_penetration=pair.remove_penetration,
+            axisymmetric=problem.axisymmetric, adjustment=pair.adjustment,
             may_share_nodes=self.may_share_nodes,
         )  # fmt: skip
         self._cpp_object = self._in_cpp(

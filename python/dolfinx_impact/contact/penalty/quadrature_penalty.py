@@ -48,7 +48,7 @@ class QuadraturePenalty(StaticContactView):
             self.options = {**options, "law": repr(law)}
             parameters.law = law.in_cpp(V)
         parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
-        parameters.search_distance, parameters.remove_penetration = pair.search_distance or 0.0, pair.remove_penetration
+        parameters.search_distance, parameters.adjustment = pair.search_distance or 0.0, pair.adjustment
         owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
 
         def bodies() -> Any:

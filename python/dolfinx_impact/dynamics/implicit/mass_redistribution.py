@@ -28,11 +28,7 @@ class MassRedistribution:
     """
 
     def __init__(self, V: FunctionSpace, pairs: Sequence[ContactPair]) -> None:
-        facets = [
-            pair.facet_tags.find(tag)
-            for pair in pairs
-            for tag in ((pair.slave, pair.master) if isinstance(pair.master, int) else (pair.slave,))
-        ]
+        facets = [pair.facet_tags.find(tag) for pair in pairs for tag in (pair.slave, *pair.masters)]
         self._cpp_object = _cpp.integrators.MassRedistribution(V._cpp_object, np.concatenate(facets).astype(np.int32))
         self.massless: BoolArray = self._cpp_object.massless
         self.cells: IntArray = self._cpp_object.cells

@@ -46,6 +46,7 @@ from ..functions_of_time import FunctionsOfTime
 from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
+from ...contact.names import named_apart
 from ..in_time import implicit_contact, prescribed_motion
 from ..run_history import ENERGIES, RunHistory, total_energy
 from ..subject import in_time
@@ -254,7 +255,7 @@ class NewmarkProblem(TransientProblem):
         loaded = load_forms(u, bodies, [load for load in self.loads if load not in springs])
         work = loaded.work()
         self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
-            [c._bind(self) for c in contact]
+            [c._bind(self) for c in named_apart(contact)]
         )
         read = [form for form in (residual, work) if form is not None]
         self.inputs = Inputs(
@@ -552,6 +553,19 @@ class NewmarkProblem(TransientProblem):
             ranks.same(output=options, points=places, times=moments)
         output = self.stepper.recorders, self._cpp_object.stepper.show_motion
         return Recorder(self, *output, path, names, every, places, points_every, moments, "implicit", options)
+
+    def reactions(self) -> fem.Function:
+        """Forces of the supports on the bodies at prescribed degrees of freedom, zero elsewhere, at the present time:
+        what inertia, damping and internal forces lack to loads and contact forces. Collective.
+
+        Returns:
+            Function on the displacement space [F].
+        """
+        r = fem.Function(self.space, name="reaction")
+        support = self.stepper.energy_balance.forces.support
+        r.x.array[: len(support)] = support
+        r.x.scatter_forward()
+        return r
 
     def save(self, path: FilePath) -> None:
         """Write a checkpoint in HDF5 with everything that a run needs to continue. Collective.

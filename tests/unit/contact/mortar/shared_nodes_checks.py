@@ -277,9 +277,9 @@ def check_what_is_over_constrained_is_named():
     tags = m.tags({3: (1, 1, 1.0), 4: (0, 1, 1.0)})
     plane = di.RigidPlane((0.0, 1.0), (0.0, 1.0))
     for given, words in (
-        (((3, 4), (3, 4)), "contact 3-4 and contact 3-4 pair the same 4 slave facets with the same master twice"),
+        (((3, 4), (3, 4)), r"3 on 4 \(1\) and 3 on 4 \(2\) pair the same 4 slave facets with the same master twice"),
         (((3, plane), (3, plane)), "pair the same 4 slave facets"),
-        (((3, 4), (4, 3)), "contact 3-4 and contact 4-3: the slave of each is the master of the other, on 4 and 3"),
+        (((3, 4), (4, 3)), "3 on 4 and 4 on 3: the slave of each is the master of the other, on 4 and 3"),
     ):
         with pytest.raises(ValueError, match=words):
             di.StaticProblem(m.u, m.law, contact=[lagrange(tags, *pair) for pair in given])
