@@ -347,7 +347,7 @@ std::vector<double> CentralDifference::support_forces()
   std::vector<double> v(_fields.owned), a(_fields.owned), out(_fields.owned, 0.0);
   motion(v, a);
   std::vector<double> kinematic;
-  if (_contact.has_kinematic())
+  if (_contact.has_corrections())
     kinematic = _contact.forces(_fields).kinematic;
   for (std::size_t i = 0; i < out.size(); ++i)
     if (!(_fields.inverse[i] > 0.0))
