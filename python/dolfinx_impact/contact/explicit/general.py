@@ -38,7 +38,7 @@ class GeneralSurface(Fixed):
         name: name for messages and files.
     """
 
-    rigid = False
+    rigid, rigid_body = False, None
 
     def __init__(self, facet_tags: MeshTags, tags: tuple[int, ...] | None, friction: float, name: str) -> None:
         self.facet_tags, self.tags, self.friction, self.name = facet_tags, tags, friction, name
@@ -176,7 +176,7 @@ class GeneralOutput(ContactOutput):
     """
 
     initial = None
-    kind, kinematic, is_penalty, motion, penalty = "GeneralContact", False, True, None, 0.0
+    kind, kinematic, is_penalty, motion, body, penalty = "GeneralContact", False, True, None, None, 0.0
     nodes: IntArray
     weight: FloatArray
     points: FloatArray

@@ -38,6 +38,7 @@ class ExplicitTie(ContactOutput):
     kind = "tie"
     stored = penetration_share = 0.0
     kinematic = True
+    body = None
     is_penalty = False
     nodes: IntArray
     weight: FloatArray
