@@ -102,15 +102,16 @@ def read_sets(path: Path, sets: Sequence[str] | None) -> SetsMesh:
         )
     kind = kinds[0]
     named = _sets_of_blocks(mesh, blocks)
-    cell_sets, facet_sets = {}, {}
+    cell_sets: dict[str, IntArray] = {}
+    facet_sets: dict[str, IntArray] = {}
     first = np.cumsum([0, *(len(data) if k == kind else 0 for k, data in blocks)])
     for name, parts in named.items():
-        cells = [start + rows for (k, _), start, rows in zip(blocks, first, parts) if k == kind]
-        faces = [data[rows] for (k, data), rows in zip(blocks, parts) if k == _FACET_TYPE[kind]]
-        if sum(map(len, cells)):
-            cell_sets[name] = np.unique(np.concatenate(cells))
-        if sum(map(len, faces)):
-            facet_sets[name] = np.concatenate(faces)
+        own = [start + rows for (k, _), start, rows in zip(blocks, first, parts) if k == kind]
+        sides = [data[rows] for (k, data), rows in zip(blocks, parts) if k == _FACET_TYPE[kind]]
+        if sum(map(len, own)):
+            cell_sets[name] = np.unique(np.concatenate(own))
+        if sum(map(len, sides)):
+            facet_sets[name] = np.concatenate(sides)
     cells = np.concatenate([data for k, data in blocks if k == kind])
     points = np.zeros((len(mesh.points), 3))
     points[:, : mesh.points.shape[1]] = mesh.points

@@ -48,6 +48,7 @@ from .transport import Transport
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+    from ..contact.mortar.tie import TieContact
     from ..contact.penalty.penalty import Penalty
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
@@ -152,7 +153,7 @@ class RollingProblem(Unique):
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
 
     @property
-    def contact(self) -> tuple[LagrangeContact | QuadraturePenalty, ...]:
+    def contact(self) -> tuple[LagrangeContact | QuadraturePenalty | TieContact, ...]:
         """Contacts with their results."""
         return self._equilibrium.contact
 

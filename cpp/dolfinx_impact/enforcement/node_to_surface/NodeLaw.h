@@ -29,7 +29,6 @@ public:
   /// Of the law's largest stiffness where surfaces touch and at the nodes' last evaluation.
   double added_square_frequency(std::span<const double> mass) const override;
   double added_damping_rate(std::span<const double> mass) const override;
-  /// Points of this rank whose local equations were not solved in the last step.
   std::int64_t num_unsolved() const override { return _tractions.num_unsolved; }
 
 private:

@@ -199,7 +199,8 @@ class GeneralOutput(ContactOutput):
                 f"{pair.name}: general contact is for plane and 3D problems; name pairs in axisymmetric ones"
             )
         self._facets = pair.facets(V)
-        named = [tuple(other.surfaces(V)) for other in problem.named_pairs]
+        surfaces = [other.surfaces(V) for other in problem.named_pairs]
+        named = [(slave, master) for slave, master in surfaces if master is not None]
         self._general = _cpp.nodal.GeneralContact(V._cpp_object, self._facets, pair.friction, named)
         self._cpp_object = _cpp.nodal.NodalPair([self._general])
         self.nodes, self.weight = self._general.nodes, self._general.areas

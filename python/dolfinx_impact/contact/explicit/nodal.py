@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit/penalty.md."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -134,7 +134,7 @@ class NodalPair(ContactOutput):
             by_class["law"] = options["law"].in_cpp(V)
             self.parameters = {**options, "law": repr(options["law"])}
         self._cpp_object = self._make(**by_class)
-        self._sides = self._cpp_object.directions
+        self._sides = cast(list[_cpp.nodal.NodeToSurface], self._cpp_object.directions)
         self.initial = self._sides[0].initial
         self._tell_of_penetration()
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
