@@ -150,7 +150,7 @@ def _internal_force(problem: ProblemWithSections, cells: IntArray) -> FloatArray
         place = np.searchsorted(tags.indices, cells)
         values = tags.values[place].astype(np.int32)
     order = np.argsort(cells)
-    part = meshtags(mesh, dim, cells[order], values[order])
+    part = meshtags(mesh, dim, cells[order].astype(np.int32), values[order])
     some = _SomeCells(part, {1 if tag is None else tag: law for tag, law in material.parts()})
     if problem.has_history:
         return CauchyStress(u, some, problem.history.points).forces()
