@@ -79,6 +79,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("add_contact", &CentralDifference::add_contact, nb::arg("pair"), nb::arg("columns"))
       .def("set_contact_step", &CentralDifference::set_contact_step)
       .def_prop_ro("contact_step", &CentralDifference::contact_step)
+      .def_prop_ro("last_step", &CentralDifference::last_step)
       .def_prop_ro("deformed", &CentralDifference::deformed)
       .def("start", [](CentralDifference& self, Values u, Values v) { self.start(span(u), span(v)); })
       .def(

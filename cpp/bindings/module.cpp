@@ -41,11 +41,13 @@ NB_MODULE(_cpp, m)
   nb::module_ solve = m.def_submodule("solve", "Newton's method, linear systems and their solvers");
   dolfinx_impact::bindings::solve(solve);
   dolfinx_impact::bindings::mortar_contact(multipliers);
+  dolfinx_impact::bindings::tie(multipliers);
   nb::module_ integrators = m.def_submodule("integrators", "Time stepping");
   dolfinx_impact::bindings::integrators(integrators);
   dolfinx_impact::bindings::newmark(integrators);
   nb::module_ nodal = m.def_submodule("nodal", "Contact of nodes in explicit dynamics");
   dolfinx_impact::bindings::nodal(nodal);
+  dolfinx_impact::bindings::explicit_tie(nodal);
   nb::module_ rolling = m.def_submodule("rolling", "Steady rolling in the ALE frame");
   dolfinx_impact::bindings::rolling(rolling);
   nb::module_ problems = m.def_submodule("problems", "Problems composed of bodies, supports, loads and contacts");

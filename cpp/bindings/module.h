@@ -25,6 +25,8 @@ void gap(nanobind::module_& m);
 void enforcement(nanobind::module_& m);
 void interface_law(nanobind::module_& m);
 void mortar_contact(nanobind::module_& m);
+void tie(nanobind::module_& m);
+void explicit_tie(nanobind::module_& m);
 void mortar_geometry(nanobind::module_& m);
 void multipliers(nanobind::module_& m);
 void solve(nanobind::module_& m);

@@ -77,6 +77,9 @@ void dolfinx_impact::bindings::mortar(nb::module_& m)
           },
           nb::arg("kind"), nb::arg("gdim"), nb::arg("point"), nb::arg("direction"), nb::arg("radius"))
       .def_rw("displacement", &Rigid::displacement)
+      .def_rw("centre", &Rigid::centre, "About which it rotates, before the displacement")
+      .def_rw("rotates", &Rigid::rotates, "Without, the rotation has no effect")
+      .def_rw("rotation", &Rigid::rotation, "A matrix, row by row")
       .def_rw("orientation_hint", &Rigid::orientation_hint, "What can be changed if the body is on its wrong side")
       .def(
           "evaluate",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "dolfinx_impact/enforcement/general/GeneralContact.h"
 #include "dolfinx_impact/enforcement/node_to_surface/KinematicStep.h"
 #include "dolfinx_impact/enforcement/node_to_surface/NodalPair.h"
 #include "dolfinx_impact/enforcement/node_to_surface/NodeLaw.h"
@@ -168,7 +169,10 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           "Bring the gaps of open nodes up to date")
       .def("keep_normals", &NodeToSurface::keep_normals, nb::arg("keep"),
            "For tests of tests: judge facing by the normals of the last search")
-      .def("set_obstacle", &NodeToSurface::set_obstacle, nb::arg("displacement"), nb::arg("increment"))
+      .def(
+          "set_obstacle", [](NodeToSurface& self, std::array<double, 3> displacement, std::array<double, 3> increment)
+          { self.set_obstacle({.displacement = displacement, .increment = increment}); }, nb::arg("displacement"),
+          nb::arg("increment"))
       .def_prop_ro(
           "nodes",
           [](const NodeToSurface& self)
@@ -268,13 +272,67 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
           nb::arg("dt"), nb::arg("f").noconvert(), nb::arg("share") = 1.0,
           "Correct u and add the forces to f (views are changed); before the step nothing moved. Collective");
 
+  nb::class_<GeneralContact, NodalContact>(m, "GeneralContact",
+                                           "All facets of a surface against each other; all arrays are copies")
+      .def(
+          "__init__",
+          [](GeneralContact* self, const FunctionSpace& V, const Facets& facets, double friction,
+             const std::vector<std::pair<Facets, Facets>>& named)
+          {
+            std::vector<NamedPair> pairs;
+            for (const auto& [slave, master] : named)
+              pairs.push_back({slave, master});
+            new (self) GeneralContact(V, facets, {friction}, pairs);
+          },
+          nb::arg("V"), nb::arg("facets"), nb::arg("friction") = 0.0,
+          nb::arg("named") = std::vector<std::pair<Facets, Facets>>(),
+          "named: pairs of surfaces that other contacts push apart. Collective")
+      .def_prop_ro(
+          "nodes",
+          [](const GeneralContact& self)
+          {
+            const auto nodes = self.candidates().nodes();
+            return take(std::vector<std::int32_t>(nodes.begin(), nodes.end()));
+          },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "X", [](const GeneralContact& self) { return rows(self.candidates().X(), self.candidates().nodes().size()); },
+          nb::rv_policy::move)
+      .def_prop_ro(
+          "areas", [](const GeneralContact& self)
+          { return copy(self.candidates().areas(), {self.candidates().nodes().size()}); }, nb::rv_policy::move)
+      .def("normals", [](const GeneralContact& self) { return rows(self.normals(), self.candidates().nodes().size()); })
+      .def(
+          "nodal_forces", [](const GeneralContact& self)
+          { return rows(self.nodal_forces(), self.candidates().nodes().size()); }, "Collective")
+      .def("results",
+           [](const GeneralContact& self)
+           {
+             const GeneralResults& r = self.results();
+             const std::size_t n = r.gap.size();
+             std::vector<std::int8_t> status(n);
+             std::transform(r.status.begin(), r.status.end(), status.begin(),
+                            [](ContactStatus s) { return std::int8_t(s); });
+             Results out;
+             out["status"] = take(std::move(status));
+             out["gap"] = copy(r.gap, {n});
+             out["slip"] = copy(r.slip, {n, std::size_t(self.candidates().gdim())});
+             return out;
+           })
+      .def_prop_ro("deepest", &GeneralContact::deepest)
+      .def_prop_ro("num_springs", &GeneralContact::num_springs, "Springs of nodes, and of crossed edges, on this rank")
+      .def_prop_ro("num_candidates", &GeneralContact::num_candidates,
+                   "Listed pairs of nodes and facets, and of edges, on this rank")
+      .def_prop_ro("searches", [](const GeneralContact& self) { return self.candidates().searches(); })
+      .def("energy", [](const GeneralContact& self) { return energies(self.energy()); });
+
   nb::class_<NodalPair>(m, "NodalPair", "Contact of a pair in an explicit problem: one direction, or both (balanced)")
       .def(nb::init<std::vector<std::shared_ptr<NodalContact>>>(), nb::arg("directions"),
            "The first direction has the slave of the pair, a second one has both surfaces exchanged")
       .def_prop_ro("directions",
                    [](const NodalPair& self)
                    {
-                     nb::typed<nb::list, NodeToSurface> out; // as which Python makes them
+                     nb::typed<nb::list, NodalContact> out;
                      for (const auto& contact : self.directions())
                        out.append(contact);
                      return out;

@@ -29,6 +29,7 @@ using dolfinx_impact::integrators::CentralDifference;
 using dolfinx_impact::integrators::Energies;
 using dolfinx_impact::integrators::FormForces;
 using dolfinx_impact::integrators::InputChanges;
+using dolfinx_impact::integrators::RigidBody;
 using dolfinx_impact::integrators::SafeStep;
 using dolfinx_impact::integrators::Scheme;
 using dolfinx_impact::integrators::StableStepWatch;
@@ -134,6 +135,42 @@ std::optional<std::pair<std::string, std::string>> all_ranks(const F& act)
     }
   }
   return thrown;
+}
+
+void bind_rigid_body(nb::module_& m)
+{
+  typedef std::array<double, 3> Vector;
+  nb::class_<RigidBodyInTime>(m, "RigidBodyInTime", "A rigid body that moves by the forces of contacts and loads")
+      .def(
+          "__init__",
+          [](RigidBodyInTime* self, double mass, std::array<double, 9> inertia, Vector centre, Vector displacement,
+             Vector velocity, Vector spin, std::array<bool, 3> fixed_velocity, std::array<bool, 3> fixed_spin,
+             const std::optional<Values>& force, const std::optional<Values>& torque)
+          {
+            new (self) RigidBodyInTime{
+                RigidBody({mass, inertia, centre, displacement, velocity, spin, fixed_velocity, fixed_spin}),
+                from_table(force), from_table(torque)};
+          },
+          nb::arg("mass"), nb::arg("inertia"), nb::arg("centre"), nb::arg("displacement"), nb::arg("velocity"),
+          nb::arg("spin"), nb::arg("fixed_velocity"), nb::arg("fixed_spin"), nb::arg("force").none(),
+          nb::arg("torque").none(), "Force and torque: their values at the start, or None without")
+      .def_prop_ro("position", [](const RigidBodyInTime& self) { return self.body.position(); })
+      .def_prop_ro("rotation", [](const RigidBodyInTime& self) { return self.body.rotation(); })
+      .def(
+          "velocity", [](const RigidBodyInTime& self, double dt) { return self.body.velocity(dt); }, nb::arg("dt"),
+          "At the present time level; dt: the step that led to it, 0 at the start")
+      .def(
+          "spin", [](const RigidBodyInTime& self, double dt) { return self.body.spin(dt); }, nb::arg("dt"))
+      .def(
+          "momentum", [](const RigidBodyInTime& self, double dt) { return self.body.momentum(dt); }, nb::arg("dt"))
+      .def(
+          "angular_momentum", [](const RigidBodyInTime& self, double dt) { return self.body.angular_momentum(dt); },
+          nb::arg("dt"))
+      .def(
+          "kinetic_energy", [](const RigidBodyInTime& self, double dt) { return self.body.kinetic_energy(dt); },
+          nb::arg("dt"))
+      .def_prop_ro("contact_force", [](const RigidBodyInTime& self) { return self.body.contact_force(); })
+      .def_prop_ro("contact_torque", [](const RigidBodyInTime& self) { return self.body.contact_torque(); });
 }
 
 void bind_history(nb::module_& m)
@@ -326,13 +363,14 @@ void bind_supports(nb::module_& m)
                                   from_table(start)};
           },
           nb::arg("dofs"), nb::arg("values"), nb::arg("start").none());
+  bind_rigid_body(m);
   nb::class_<ContactInTime>(m, "ContactInTime", "A contact, and the motion of its rigid master")
       .def(
           "__init__",
           [](ContactInTime* self, const dolfinx_impact::enforcement::NodalPair& contact, std::string name,
-             const std::optional<Values>& start)
-          { new (self) ContactInTime{contact, std::move(name), from_table(start)}; },
-          nb::arg("contact"), nb::arg("name"), nb::arg("start").none());
+             const std::optional<Values>& start, std::shared_ptr<RigidBodyInTime> body)
+          { new (self) ContactInTime{contact, std::move(name), from_table(start), std::move(body)}; },
+          nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("body").none() = nb::none());
 }
 
 void bind_explicit(nb::module_& m)
@@ -388,6 +426,7 @@ void bind_explicit(nb::module_& m)
           nb::arg("u"), nb::arg("velocity"), nb::arg("acceleration"), nb::arg("body"), nb::arg("supports"),
           nb::arg("loads"), nb::arg("contacts"), nb::arg("scheme"), "Collective; `start` computes the first forces")
       .def_prop_ro("time", &ExplicitProblem::time)
+      .def_prop_ro("lost_at_start", &ExplicitProblem::lost_at_start, "Kinetic energy that ties have taken [F L]")
       .def_prop_ro("step", &ExplicitProblem::step)
       .def_prop_ro("next_time", [](const ExplicitProblem& self) { return self.stepper().next_time(); })
       .def_prop_ro("nominal_step", [](const ExplicitProblem& self) { return self.stepper().nominal_step(); })

@@ -42,6 +42,12 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           { self.add_load({{value.data(), value.size()}, {reached.data(), reached.size()}}); }, nb::arg("value"),
           nb::arg("reached"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(),
           "A load that is applied in parts: views of its value and of that which was reached")
+      .def(
+          "add_rigid_body",
+          [](StaticProblem& self, std::vector<std::size_t> contacts, std::array<bool, 3> fixed, Changeable force)
+          { self.add_rigid_body({std::move(contacts), fixed, {force.data(), force.size()}}); }, nb::arg("contacts"),
+          nb::arg("fixed"), nb::arg("force"), nb::keep_alive<1, 4>(),
+          "A rigid master that loads and contacts move; a view of the external force on it")
       .def("move_obstacle", &StaticProblem::move_obstacle, nb::arg("contact"), nb::arg("displacement"),
            "Displacement of a contact's rigid master that the next solve leads to [L]")
       .def(

@@ -61,6 +61,21 @@ void bind_explicit(nb::module_& m)
   using V = const Vector&;
   using Dofs = const std::vector<std::int64_t>&;
 
+  nb::class_<RigidBall>(m, "RigidBall")
+      .def("__init__",
+           [](RigidBall* self, int gdim, double radius, V centre, double mass, double inertia, V velocity, V spin,
+              V force)
+           {
+             const auto three = [](V v)
+             {
+               Vec<double> out;
+               for (int c = 0; c < v.size() and c < 3; ++c)
+                 out[c] = v(c);
+               return out;
+             };
+             new (self)
+                 RigidBall(gdim, radius, three(centre), mass, inertia, three(velocity), three(spin), three(force));
+           });
   nb::class_<ExplicitContact>(m, "ExplicitContact").def_prop_ro("nodes", &ExplicitContact::nodes);
   nb::class_<NodalPenalty, ExplicitContact>(m, "NodalPenalty")
       .def(
@@ -68,7 +83,8 @@ void bind_explicit(nb::module_& m)
           [](NodalPenalty* self, const Model& model, const Cells& slave, const Cells& master, const Obstacles& obstacle,
              double search_distance, V mass, P displacement, P slave_normals, P master_normals,
              const std::array<double, 3>& gaps, double friction, double penalty, bool balanced, P points, V weights,
-             P mass_points, V mass_weights, const std::string& lumping, const std::vector<PlasticBody*>& plastic)
+             P mass_points, V mass_weights, const std::string& lumping, const std::vector<PlasticBody*>& plastic,
+             const std::vector<std::shared_ptr<RigidBall>>& ball, double stiffness_step)
           {
             check_friction(friction);
             if (not(penalty >= 0) or not std::isfinite(penalty))
@@ -77,6 +93,8 @@ void bind_explicit(nb::module_& m)
               throw std::invalid_argument("a balanced pair needs a deformable master: leave out balanced");
             std::vector<NodePairs> pairs{
                 node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals)};
+            if (not ball.empty())
+              pairs[0].set_ball(ball[0]);
             if (balanced)
               pairs.push_back(
                   node_pairs(model, master, slave, obstacle, search_distance, mass, displacement, slave_normals));
@@ -102,7 +120,7 @@ void bind_explicit(nb::module_& m)
               if (balanced)
                 pairs[1].set_stiffness(high, low);
             }
-            new (self) NodalPenalty(std::move(pairs), friction, penalty);
+            new (self) NodalPenalty(std::move(pairs), friction, penalty, stiffness_step);
           },
           nb::keep_alive<1, 2>())
       .def("added_frequency", &NodalPenalty::added_frequency)

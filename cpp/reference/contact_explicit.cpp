@@ -78,11 +78,28 @@ Vec<double> NodePairs::position(const Vector& u, std::int64_t node) const
 
 Vec<double> NodePairs::master_moved(int n) const
 {
+  if (ball_)
+    return ball_->moved();
   return rigid_ and n > 0 ? get(displacement_, n) - get(displacement_, n - 1) : Vec<double>{};
+}
+
+Vec<double> NodePairs::master_moved(int n, const Vec<double>& x) const
+{
+  return ball_ ? ball_->moved_at(x) : master_moved(n);
+}
+
+double NodePairs::slave_area() const
+{
+  double sum = 0;
+  for (const auto& [node, area] : areas_)
+    sum += area;
+  return sum;
 }
 
 Vec<double> NodePairs::obstacle(int n) const
 {
+  if (ball_)
+    return ball_->displacement();
   return rigid_ ? get(displacement_, n) : Vec<double>{};
 }
 

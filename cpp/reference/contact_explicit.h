@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "RigidBall.h"
 #include "contact_projection.h"
 #include "explicit.h"
 #include <functional>
+#include <memory>
 
 /// Node-to-surface contact in explicit dynamics as docs/explicit/penalty.md states it, with brute-force closest points.
 namespace impact_reference
@@ -63,8 +65,13 @@ public:
 
   Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
   Vec<double> position(const Vector& u, std::int64_t node) const;
-  Vec<double> obstacle(int n) const;     ///< displacement of the rigid master at t_n [L]
-  Vec<double> master_moved(int n) const; ///< of the rigid master, from t_(n-1) to t_n [L]
+  Vec<double> obstacle(int n) const;                           ///< displacement of the rigid master at t_n [L]
+  Vec<double> master_moved(int n) const;                       ///< of the rigid master, from t_(n-1) to t_n [L]
+  Vec<double> master_moved(int n, const Vec<double>& x) const; ///< the same of its point that is at x at t_n [L]
+  /// The rigid master is a ball that forces move; none: it moves as prescribed.
+  RigidBall* ball() const { return ball_.get(); }
+  void set_ball(std::shared_ptr<RigidBall> ball) { ball_ = std::move(ball); }
+  double slave_area() const; ///< [L^2]
   /// D_min: least diameter of the master's facets; of a rigid master the largest of the slave's [L].
   double smallest_diameter() const;
   /// Motion of the slave node against the master's point.
@@ -83,6 +90,7 @@ private:
   const Model& model_;
   Surface slave_, master_;
   std::optional<Rigid> rigid_;
+  std::shared_ptr<RigidBall> ball_;
   double search_distance_ = 0;
   std::vector<double> shift_; // added to the gap, per slave node; empty: nothing [L]
   Vector mass_;
@@ -183,12 +191,14 @@ class NodalPenalty : public ExplicitContact
 public:
   /// @param directions one, or two for the balanced form, in which each has half the stiffness
   /// @param penalty [F/L^3], or 0: from the stiffness of the pairs' nodes
-  NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty);
+  /// @param stiffness_step that such springs are made for; 0: each step [T]
+  NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty, double stiffness_step = 0);
 
   void before(const ContactStep& step) override;
   bool kinematic() const override { return false; }
   std::vector<std::int64_t> nodes() const override { return directions_[0].pairs.nodes(); }
   Vec<double> master_moved(int n) const override { return directions_[0].pairs.master_moved(n); }
+  RigidBall* ball() const override { return directions_[0].pairs.ball(); }
 
   /// What a given penalty adds to the square of the highest frequency at most [1/T^2].
   double added_frequency(const Vector& u) const;
@@ -216,7 +226,7 @@ private:
   void evaluate(Direction& direction, const ContactStep& step, bool first);
 
   std::vector<Direction> directions_;
-  double friction_, penalty_, part_;
+  double friction_, penalty_, part_, stiffness_step_;
 };
 
 class NodalKinematic : public ExplicitContact

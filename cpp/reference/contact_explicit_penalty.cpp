@@ -4,8 +4,8 @@
 
 namespace impact_reference
 {
-NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty)
-    : friction_(friction), penalty_(penalty), part_(1.0 / double(directions.size()))
+NodalPenalty::NodalPenalty(std::vector<NodePairs> directions, double friction, double penalty, double stiffness_step)
+    : friction_(friction), penalty_(penalty), part_(1.0 / double(directions.size())), stiffness_step_(stiffness_step)
 {
   answer_ = no_contact(directions[0]);
   for (NodePairs& pairs : directions)
@@ -20,7 +20,12 @@ double NodalPenalty::stiffness(const NodePairs& pairs, std::int64_t node, const 
 {
   if (penalty_ > 0)
     return part_ * penalty_ * pairs.area(node);
-  return part_ / pairs.spring_compliance(node, m, dt);
+  dt = stiffness_step_ > 0 ? stiffness_step_ : dt;
+  double compliance = pairs.spring_compliance(node, m, dt);
+  if (const RigidBall* ball = pairs.ball()) // it gives way, and the step must bear that, too
+    compliance +=
+        dt * dt * ball->mobility(pairs.slave_area(), friction_ > 0) / (4 * (1 / (0.9 * 0.9) - 1) * pairs.area(node));
+  return part_ / compliance;
 }
 
 void NodalPenalty::before(const ContactStep& step)
@@ -104,7 +109,7 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
     Vec<double> moved;
     if (met)
     {
-      moved = pairs.relative(step.moved, pairs.master_moved(step.n), node, m);
+      moved = pairs.relative(step.moved, pairs.master_moved(step.n, m.x), node, m);
       r = dot(m.normal, moved);
       // Who passes beside an edge is not pushed.
       if (may_close and not(m.beside and m.gap >= 0))
@@ -174,6 +179,8 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       pairs.add(answer_.force, f, node, m);
       pairs.add_moment(answer_.force, f, step.u, node, m);
       answer_.total = answer_.total + sign * f;
+      if (RigidBall* ball = pairs.ball())
+        ball->add(f, m.x);
     }
     else if (last.closed)
     {
@@ -210,6 +217,8 @@ double NodalPenalty::added_frequency(const Vector& u) const
           const std::int64_t node = pairs.nodes()[i];
           highest = std::max(highest, stiffness(pairs, node, m, 1) * pairs.compliance(node, m));
         }
+      if (const RigidBall* ball = pairs.ball())
+        highest += part_ * penalty_ * ball->mobility(pairs.slave_area(), friction_ > 0);
       sum += highest;
     }
   return sum;

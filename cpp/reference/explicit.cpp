@@ -92,9 +92,15 @@ public:
       if (not step.next.allFinite())
         throw std::runtime_error("the displacements overflow in step " + std::to_string(n) +
                                  ": the step is longer than the stable one");
+      for (auto* contact : data_.contacts)
+        if (RigidBall* ball = contact->ball())
+          ball->push((dt_before + dt) / 2, n == 0);
       update_energies(n, u, moved, step, f);
       if (n % data_.every == 0 or n == count)
         keep(out, row++, time, u, step, f);
+      for (auto* contact : data_.contacts)
+        if (RigidBall* ball = contact->ball())
+          ball->move(dt);
       time += dt;
       u_before = u;
       u = step.next;
@@ -133,6 +139,8 @@ private:
     for (auto* contact : data_.contacts)
       if (not contact->kinematic())
       {
+        if (RigidBall* ball = contact->ball())
+          ball->clear();
         contact->before({n, dt, dt * dt, u, moved, inverse_});
         f.contact += contact->answer().force;
       }
@@ -305,6 +313,13 @@ private:
     e(viscosity_energy) -= work(&Forces::viscosity);
     e(external_energy) += work(&Forces::external) + work(&Forces::support);
     contact_energies(n, moved);
+    for (const auto* contact : data_.contacts)
+      if (const RigidBall* ball = contact->ball())
+      {
+        e(kinetic) += ball->kinetic();
+        e(external_energy) += ball->external() - ball_work_;
+        ball_work_ = ball->external();
+      }
     e(total_energy) = e.head(external_energy).sum() - e(external_energy);
     largest_ = std::max(largest_, e.head(external_energy + 1).cwiseAbs().sum());
     if (n == 0)
@@ -325,8 +340,9 @@ private:
       {
         const Vec<double> master = contact.master_moved(n);
         const auto half_sum = [](const Vec<double>& a, const Vec<double>& b) { return 0.5 * (a + b); };
-        // A moving obstacle does work as a prescribed motion does.
-        energies_(external_energy) += dot(half_sum(last.total, now.total), master);
+        // A moving obstacle does work as a prescribed motion does; a ball that forces move has energy of its own.
+        if (not contact.ball())
+          energies_(external_energy) += dot(half_sum(last.total, now.total), master);
         if (contact.kinematic())
         {
           const double all = (last.force + now.force).dot(moved) / 2 - dot(half_sum(last.total, now.total), master);
@@ -424,7 +440,8 @@ private:
   Forces last_;
   std::vector<ContactAnswer> last_answers_; // of the contacts at t_(n-1)
   double largest_ = 0, start_ = 0;
-  double stored_ = 0; // elastic energy of a plastic body
+  double stored_ = 0;    // elastic energy of a plastic body
+  double ball_work_ = 0; // of the external force on a ball, up to t_(n-1)
 };
 } // namespace
 

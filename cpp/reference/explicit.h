@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "PlasticBody.h"
+#include "RigidBall.h"
 #include "contact.h"
 #include <map>
 #include <memory>
@@ -72,6 +73,8 @@ public:
   virtual double recoverable() const { return 0; }
   /// True if the forces come from sweeps; then energies are the work of forces.
   virtual bool kinematic() const = 0;
+  /// The rigid master, if forces move it.
+  virtual RigidBall* ball() const { return nullptr; }
   virtual std::vector<std::int64_t> nodes() const = 0; ///< of the slave, increasing
   /// How far the rigid master moved from t_(n-1) to t_n [L].
   virtual Vec<double> master_moved(int n) const = 0;

@@ -16,13 +16,16 @@ from .common.visible_warnings import undo_capture
 from .contact import (
     ContactPair,
     ContactStatus,
+    GeneralContact,
     Kinematic,
     Lagrange,
     Penalty,
+    RigidBody,
     RigidCylinder,
     RigidPlane,
     RigidSphere,
     RigidSurface,
+    Tie,
 )
 from .dynamics.explicit import ExplicitProblem
 from .dynamics.implicit.newmark_problem import NewmarkProblem
@@ -62,6 +65,7 @@ __all__ = [
     "ExplicitProblem",
     "FollowerPressure",
     "Foundation",
+    "GeneralContact",
     "InelasticMaterial",
     "InterfaceLaw",
     "InterfaceUpdate",
@@ -92,10 +96,12 @@ __all__ = [
     "Kinematic",
     "Lagrange",
     "Penalty",
+    "RigidBody",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
     "RigidSurface",
+    "Tie",
     "_cpp",
     "cache_folder",
     "cell_max",

@@ -45,7 +45,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
-from .explicit import ExplicitResult, NodalKinematic, NodalPenalty
+from .explicit import ExplicitResult, NodalKinematic, NodalPenalty, RigidBall
 from .interface import (
     InterfaceHistory,
     adhesive_pressure,
@@ -70,6 +70,7 @@ from .rules import (
     shape_functions,
 )
 from .sparse import Csr
+from .tie import Tie, TieSolution
 
 __all__ = [
     "Contact",
@@ -92,6 +93,7 @@ __all__ = [
     "PlasticBody",
     "PlasticElement",
     "PlasticStates",
+    "RigidBall",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
@@ -99,6 +101,8 @@ __all__ = [
     "RollingSolution",
     "Spinning",
     "StaticSolution",
+    "Tie",
+    "TieSolution",
     "Translating",
     "adhesive_pressure",
     "cohesive_history",

@@ -30,11 +30,55 @@ ENERGIES = (
 )
 
 
+class RigidBall:
+    """A rigid ball, in the plane a disc, that contact and a constant force move; the master of one `NodalPenalty`.
+
+    Args:
+        center: centre at the start, shape (gdim) [L].
+        radius: radius [L].
+        mass: mass [M].
+        inertia: moment of inertia about the centre [M L^2].
+        velocity: velocity at the start, shape (gdim) [L/T].
+        spin: angular velocity at the start, shape (3) [1/T].
+        force: external force, shape (gdim) [F].
+    """
+
+    def __init__(
+        self,
+        center: ArrayLike,
+        radius: float,
+        mass: float,
+        inertia: float,
+        velocity: ArrayLike = (0.0, 0.0, 0.0),
+        spin: ArrayLike = (0.0, 0.0, 0.0),
+        force: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.center, self.radius, self.mass, self.inertia = vector(center), float(radius), float(mass), float(inertia)
+        self.velocity, self.spin, self.force = vector(velocity), vector(spin), vector(force)
+
+    def surface(self, gdim: int) -> RigidSphere | RigidCylinder:
+        """Its surface at the start.
+
+        Args:
+            gdim: dimension of space.
+        """
+        return RigidSphere(self.center, self.radius) if gdim == 3 else RigidCylinder(self.center, self.radius)
+
+    def bind(self, gdim: int) -> _reference.RigidBall:
+        """The ball at the start of a run.
+
+        Args:
+            gdim: dimension of space.
+        """
+        start = self.velocity, self.spin, self.force
+        return _reference.RigidBall(gdim, self.radius, self.center, self.mass, self.inertia, *start)
+
+
 class _Nodal:
     def __init__(
         self,
         slave: ArrayLike,
-        master: ArrayLike | Obstacle,
+        master: ArrayLike | Obstacle | RigidBall,
         friction: float,
         search_distance: float | None,
         motion: TimeValues | None,
@@ -46,7 +90,9 @@ class _Nodal:
         self.normals = normals
         self.search_distance = np.nan if search_distance is None else float(search_distance)
         self.motion = motion
-        self.rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder))
+        self.rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder, RigidBall))
+        if motion is not None and isinstance(master, RigidBall):
+            raise ValueError("a ball moves by forces: it takes no motion")
         if motion is not None and not self.rigid:
             raise ValueError("motion is for rigid masters; a deformable one moves with its nodes")
         if self.rigid and any(given is not None for given in normals.values()):
@@ -63,7 +109,9 @@ class _Nodal:
         d = model.points.shape[1]
         facets: IntArray = np.zeros((0, 1), dtype=np.int64)
         obstacle, motion = [], self.motion
-        if isinstance(self.master, (RigidPlane, RigidSphere, RigidCylinder)):
+        if isinstance(self.master, RigidBall):
+            obstacle = [_obstacle(self.master.surface(d), d)]
+        elif isinstance(self.master, (RigidPlane, RigidSphere, RigidCylinder)):
             obstacle = [_obstacle(self.master, d)]
             motion = self.master.displacement if motion is None else motion
         else:
@@ -88,7 +136,7 @@ class NodalPenalty(_Nodal):
 
     Args:
         slave: points of every slave facet, shape (num_facets, nodes per facet); its vertices suffice.
-        master: points of every master facet, as `slave`; or a rigid obstacle.
+        master: points of every master facet, as `slave`; or a rigid obstacle, or a ball that forces move.
         friction: Coulomb's friction coefficient [1].
         penalty: penalty; None takes half of the stiffness of the outermost layer of both bodies, within what their
             masses bear [F/L^3].
@@ -98,6 +146,7 @@ class NodalPenalty(_Nodal):
             facet [L].
         motion: displacement of a rigid master over time: shape (gdim), a function of t, or a table (times, values) with
             values of shape (n, gdim); None takes `master.displacement` at all times [L].
+        stiffness_step: step that springs without a given penalty are made for; None: each step of the run [T].
         master_normals: of a smooth master (docs/contact.md, "Smooth surfaces"): normals at the vertices of its facets,
             shape (num_facets, vertices per facet, gdim), not a number for that of the facet; None: facets as they are.
         slave_normals: likewise, for the direction of a balanced contact in which the slave is the master.
@@ -113,7 +162,7 @@ class NodalPenalty(_Nodal):
     def __init__(
         self,
         slave: ArrayLike,
-        master: ArrayLike | Obstacle,
+        master: ArrayLike | Obstacle | RigidBall,
         friction: float = 0.0,
         penalty: float | None = None,
         balanced: bool = False,
@@ -121,10 +170,12 @@ class NodalPenalty(_Nodal):
         motion: TimeValues | None = None,
         master_normals: ArrayLike | None = None,
         slave_normals: ArrayLike | None = None,
+        stiffness_step: float | None = None,
         offset: float = 0.0,
         clearance: float | None = None,
         adjust: float | None = None,
     ) -> None:
+        self.stiffness_step = stiffness_step
         normals = {"slave": slave_normals, "master": master_normals}
         super().__init__(slave, master, friction, search_distance, motion, normals, (offset, clearance, adjust))
         if penalty is not None and not penalty > 0:
@@ -136,7 +187,9 @@ class NodalPenalty(_Nodal):
     ) -> _reference.NodalPenalty:
         arguments = self._arguments(model, times, lumping)
         rules = *model._rule("stiffness"), *model._rule("mass"), lumping, [] if plastic is None else [plastic]
-        return _reference.NodalPenalty(*arguments, self.friction, float(self.penalty or 0), self.balanced, *rules)
+        ball = [self.master.bind(model.points.shape[1])] if isinstance(self.master, RigidBall) else []
+        given = self.friction, float(self.penalty or 0), self.balanced
+        return _reference.NodalPenalty(*arguments, *given, *rules, ball, float(self.stiffness_step or 0))
 
 
 class NodalKinematic(_Nodal):

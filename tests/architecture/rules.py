@@ -23,7 +23,7 @@ STAGES = (
 # What no stage is: small tools; the state as data, which every stage may describe its own in; files of states.
 BELOW = ("common", "state", "files")
 # Rooms inside a stage, each after those it may include; "." are the files directly in the stage's folder.
-ROOMS = {"search": (".", "closest_point", "node_tracker")}
+ROOMS = {"search": (".", "closest_point", "node_tracker", "general")}
 # Python packages and modules in the order of the data flow; docs/architecture.md has the same order.
 PACKAGES = ("common", "compat", "materials", "inelastic", "plasticity", "amplitude", "assembly", "loads", "foundation")
 PACKAGES += ("added_mass", "io", "theory")

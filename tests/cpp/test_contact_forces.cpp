@@ -41,10 +41,10 @@ public:
     seen_mass = mass[own];
   }
   double largest_position() const override { return position; }
-  void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override
+  void set_obstacle(const gap::RigidMotion& motion) override
   {
-    obstacle = displacement;
-    obstacle_increment = increment;
+    obstacle = motion.displacement;
+    obstacle_increment = motion.increment;
   }
   double increment_used(const enforcement::NodalState&) const override { return motion_used; }
   void forget_search() override { ++forgotten; }
@@ -103,7 +103,7 @@ TEST_CASE("contacts have to act, in a step that is known")
   CHECK(contacts.empty());
   contacts.add(std::make_shared<Spring>(), {-1, -1, -1});
   CHECK(contacts.has_springs());
-  CHECK_FALSE(contacts.has_kinematic());
+  CHECK_FALSE(contacts.has_corrections());
   CHECK(contacts.size() == 1);
   CHECK(contacts.search_due());
   CHECK_THROWS_AS(contacts.check_step(), std::invalid_argument);
@@ -291,7 +291,7 @@ TEST_CASE("kinematic contact corrects displacement, velocity and the sums of an 
   const double dt = 0.5, h = 0.25, m = 2.0;
   ContactForces contacts;
   contacts.add(contact, {-1, -1, -1});
-  CHECK(contacts.has_kinematic());
+  CHECK(contacts.has_corrections());
   CHECK_FALSE(contacts.has_springs());
   contacts.set_step(dt);
   const auto set_y = [&](double u, double v)

@@ -146,6 +146,33 @@ def failed(case, **changes):
 SMALL = 1 + 1e-6
 
 
+def another_ball(case, **changes):
+    """The case with another ball on our side."""
+    right = case.body.rigid[0]
+    given = {
+        "mass": right.mass, "inertia": right.inertia, "velocity": right._start_velocity, "spin": right._start_spin,
+        "force": right.external_force,
+    }  # fmt: skip
+    body = copy.copy(case.body)
+    body.rigid = (di.RigidBody(right.surface, **{**given, **changes}), case.body.rigid[1])
+    return body
+
+
+@pytest.mark.parametrize("cell", ("quadrilateral", "hexahedron"))
+@pytest.mark.parametrize("name", ("mass", "inertia", "velocity", "spin", "force", "fixed"))
+def test_another_rigid_ball_is_seen(cell, name):
+    """A part in a million of what moves the ball; a component that is fixed on one side."""
+    case = case_of(cell, "block under a rigid ball")
+    value = ("x",) if name == "fixed" else SMALL * np.asarray(vars(case.body.rigid[0]).get(name, 0.0))
+    if name in ("velocity", "spin"):
+        value = SMALL * getattr(case.body.rigid[0], f"_start_{name}")
+    if name == "force":
+        value = SMALL * case.body.rigid[0].external_force
+    seen = failed(case, body=another_ball(case, **{name: value if np.ndim(value) or name == "fixed" else float(value)}))
+    assert {"contact force", "kinetic energy"} <= seen, seen
+    assert not failed(case), "the case itself passes"
+
+
 def tilted(x):
     """Normals of the smooth hill, a millionth off."""
     return np.vstack([SMALL * (x[0] - 0.5), np.ones(x.shape[1])])

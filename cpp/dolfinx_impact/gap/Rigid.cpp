@@ -6,9 +6,11 @@
 
 namespace dolfinx_impact::gap
 {
-RigidPoint evaluate(const Rigid& rigid, std::span<const double> x)
+namespace
 {
-  assert(x.size() >= std::size_t(rigid.gdim));
+/// Signed distance to an obstacle that may be displaced, but does not rotate.
+RigidPoint evaluate_straight(const Rigid& rigid, std::span<const double> x)
+{
   if (rigid.kind == Rigid::Kind::surface)
   {
     double moved[3];
@@ -52,12 +54,44 @@ RigidPoint evaluate(const Rigid& rigid, std::span<const double> x)
     }
   return out;
 }
+} // namespace
+
+RigidPoint evaluate(const Rigid& rigid, std::span<const double> x)
+{
+  assert(x.size() >= std::size_t(rigid.gdim));
+  if (!rigid.rotates)
+    return evaluate_straight(rigid, x);
+  // The point as the undisplaced obstacle sees it; gap, normal and curvature turn with the obstacle.
+  const int g = rigid.gdim;
+  const Matrix3& R = rigid.rotation;
+  double there[3] = {0.0, 0.0, 0.0};
+  for (int a = 0; a < g; ++a)
+  {
+    there[a] = rigid.centre[a] + rigid.displacement[a];
+    for (int b = 0; b < g; ++b)
+      there[a] += R[3 * b + a] * (x[b] - rigid.centre[b] - rigid.displacement[b]);
+  }
+  const RigidPoint straight = evaluate_straight(rigid, std::span(there, std::size_t(g)));
+  RigidPoint out{straight.gap, {}, {}};
+  for (int a = 0; a < g; ++a)
+    for (int b = 0; b < g; ++b)
+    {
+      out.normal[a] += R[3 * a + b] * straight.normal[b];
+      for (int c = 0; c < g; ++c)
+        for (int d = 0; d < g; ++d)
+          out.hessian[3 * a + b] += R[3 * a + c] * straight.hessian[3 * c + d] * R[3 * b + d];
+    }
+  return out;
+}
 
 double largest_position(const Rigid& rigid)
 {
   double largest = 0.0, moved = 0.0;
   for (double u : rigid.displacement)
     moved = std::max(moved, std::abs(u));
+  if (rigid.rotates)
+    for (double c : rigid.centre)
+      moved = std::max(moved, std::abs(c));
   if (rigid.kind == Rigid::Kind::surface)
     return moved + rigid.shape->largest_coordinate();
   for (double x : rigid.point)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "RigidMotion.h"
 #include "Shape.h"
 #include <array>
 #include <memory>
@@ -24,6 +25,9 @@ struct Rigid
   std::array<double, 3> direction{0, 0, 1}; ///< unit normal of the plane, out of it; unit axis of the cylinder
   double radius = 0.0;                      ///< [L]; negative: the body is inside, as in a bore
   std::array<double, 3> displacement{};     ///< added to `point`, or of the shape [L]
+  std::array<double, 3> centre{};           ///< about which it rotates, before the displacement [L]
+  bool rotates = false;                     ///< without, it is where it was made but for the displacement
+  Matrix3 rotation = identity;              ///< about the centre
   std::shared_ptr<const Shape> shape{};     ///< of a surface
   /// What can be changed if the body is on its wrong side; the end of an error.
   std::string orientation_hint = "turn its normal round, or change the sign of its radius";

@@ -19,11 +19,12 @@ constexpr int steps_per_look = 4;
 CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
-      _scheme(scheme), _loads(_fields.owned), _energies(V->dofmap()->index_map->comm(),
-                                                        _internal.has_history() ? InternalEnergy::elastic
-                                                        : linear                ? InternalEnergy::quadratic
-                                                                                : InternalEnergy::work,
-                                                        scheme, alpha)
+      _scheme(scheme), _loads(_fields.owned), _contact(V->dofmap()->index_map->comm()),
+      _energies(V->dofmap()->index_map->comm(),
+                _internal.has_history() ? InternalEnergy::elastic
+                : linear                ? InternalEnergy::quadratic
+                                        : InternalEnergy::work,
+                scheme, alpha)
 {
   if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
@@ -65,6 +66,11 @@ void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<
 void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns)
 {
   _contact.add(std::move(pair), columns);
+}
+
+void CentralDifference::add_rigid_body_contact(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body)
+{
+  _contact.add(std::move(pair), std::move(body));
 }
 
 void CentralDifference::start(std::span<const double> u, std::span<const double> v)
@@ -160,6 +166,7 @@ bool CentralDifference::evaluate()
   for (ForceTerm& term : _terms)
     term.evaluate(_fields, _last_step);
   _contact.evaluate(_fields);
+  _contact.sum_forces_on_bodies();
   _contact.predict_searches();
   complete_residual();
   _evaluated = true;
@@ -183,8 +190,9 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   Sums sums = update(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());
   const PrescribedMotion::Power power =
       _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
+  _contact.advance_bodies(dt, mean_step, _last_step == 0.0);
   _contact.move_obstacles(amplitudes, false);
-  if (_contact.has_kinematic())
+  if (_contact.has_corrections())
     _contact.correct(f, dt, _last_step, c.push, _energies.release_share(), _loads, sums);
   else
     f.begin_exchange();
@@ -235,6 +243,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
   const History rows(history, _contact.size());
   _stop = _stopped = false;
   _loads.apply(table.data());
+  _contact.apply_loads(table.data());
   if (_last_step == 0.0)
     _contact.move_obstacles(table.data(), true);
   if (_evaluated && _contact.search_due())
@@ -246,6 +255,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
   {
     const double* row = table.data() + k * columns;
     _loads.apply(row);
+    _contact.apply_loads(row);
     if (!_evaluated && !evaluate())
     {
       _stopped = false;
@@ -262,6 +272,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
     _energies.begin_sum(_contact, _fields.bs, rows, k);
   }
   _loads.apply(table.data() + steps.size() * columns);
+  _contact.apply_loads(table.data() + steps.size() * columns);
   if (_evaluated)
     return int(steps.size());
   const bool stable = evaluate();
@@ -300,6 +311,7 @@ Energies CentralDifference::energies()
       measure(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(), f.v.data());
   const double power = _prescribed.power(_last_step, _alpha, _beyond.data(), f.mass.data(), _loads, f.u.data(),
                                          f.v.data(), f.r.data(), sums);
+  _contact.measure_bodies(_last_step > 0.0 ? _last_step : 0.0, _last_step == 0.0);
   return _energies.energies(sums, power, {_last_step, _last_step}, _terms, _contact);
 }
 
@@ -312,9 +324,9 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
   const double dt = _last_step;
   const Coefficients c = coefficients(dt);
   const NodalFields& fields = _fields;
-  // Kinematic contact knows its forces once the step is predicted: those of the last step.
+  // Kinematic contact and ties know their forces once the step is predicted: those of the last step.
   std::vector<double> kinematic;
-  if (_contact.has_kinematic())
+  if (_contact.has_corrections())
     kinematic = _contact.forces(_fields).kinematic;
   for (std::size_t i = 0; i < fields.owned; ++i)
   {
@@ -335,7 +347,7 @@ std::vector<double> CentralDifference::support_forces()
   std::vector<double> v(_fields.owned), a(_fields.owned), out(_fields.owned, 0.0);
   motion(v, a);
   std::vector<double> kinematic;
-  if (_contact.has_kinematic())
+  if (_contact.has_corrections())
     kinematic = _contact.forces(_fields).kinematic;
   for (std::size_t i = 0; i < out.size(); ++i)
     if (!(_fields.inverse[i] > 0.0))
@@ -364,7 +376,7 @@ state::State CentralDifference::saved_state()
   const auto owned = [this](const std::vector<double>& a)
   { return std::vector<double>(a.begin(), a.begin() + _fields.owned); };
   ContactNodes::Forces contact = _contact.forces(_fields);
-  auto saved = std::make_shared<RunState>(_fields.owned, _terms.size(), _contact.size());
+  auto saved = std::make_shared<RunState>(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
   saved->u = owned(_fields.u);
   saved->v = owned(_fields.v);
   saved->r = owned(_fields.r);
@@ -378,6 +390,7 @@ state::State CentralDifference::saved_state()
   saved->contact_step = _contact.step();
   saved->unwatched = _unwatched;
   saved->obstacles = _contact.obstacles();
+  saved->bodies = _contact.bodies();
   _contact.forget_searches();
   state::State out = saved->state(_fields.bs);
   out.keep(std::move(saved));
@@ -386,19 +399,19 @@ state::State CentralDifference::saved_state()
 
 state::State CentralDifference::empty_state() const
 {
-  return RunState(_fields.owned, _terms.size(), _contact.size()).state(_fields.bs).copy();
+  return RunState(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies()).state(_fields.bs).copy();
 }
 
 void CentralDifference::resume(const state::State& saved)
 {
-  RunState run(_fields.owned, _terms.size(), _contact.size());
+  RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
   run.state(_fields.bs).assign(saved);
   start(run.u, run.v);
   std::copy(run.r.begin(), run.r.end(), _fields.r.begin());
   for (std::size_t k = 0; k < _terms.size(); ++k)
     _terms[k].restore(run.terms[k].force, run.terms[k].work, run.terms[k].position);
   _contact.restore({run.springs.force, run.kinematic}, run.springs.work, run.springs.position, run.obstacle_work,
-                   run.obstacles);
+                   run.obstacles, run.bodies);
   _energies.restore(run.energies);
   _last_step = run.last_step;
   _unwatched = int(run.unwatched);

@@ -50,8 +50,15 @@ public:
   void prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
   /// See ContactForces.
   void add_contact(enforcement::NodalPair pair, std::array<int, 3> columns);
+  void add_rigid_body_contact(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body);
+  void set_body_loads(const RigidBody& body, std::array<int, 3> force, std::array<int, 3> torque)
+  {
+    _contact.set_body_loads(body, force, torque);
+  }
   void set_contact_step(double dt) { _contact.set_step(dt); }
   double contact_step() const { return _contact.step(); }
+  /// The step that led to the present time level; 0 at the start [T].
+  double last_step() const { return _last_step; }
   /// Look now and then whether owned cells have deformed so far that the stable step may have changed; a run stops
   /// after the step in which one has.
   /// @param[in] nodes, nodes_per_cell see DeformationWatch

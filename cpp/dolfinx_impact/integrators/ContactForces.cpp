@@ -9,26 +9,65 @@ namespace dolfinx_impact::integrators
 {
 using common::Stopwatch;
 
+namespace
+{
+constexpr std::size_t sums_of_body = 12; ///< force and its moment
+}
+
 void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
 {
   std::vector<enforcement::SpringForces*> springs;
   std::vector<enforcement::KinematicContact*> kinematic;
+  std::vector<enforcement::ExplicitTie*> ties;
   for (const auto& direction : pair.directions())
     if (auto* const force = dynamic_cast<enforcement::SpringForces*>(direction.get()))
       springs.push_back(force);
     else if (auto* const correction = dynamic_cast<enforcement::KinematicContact*>(direction.get()))
       kinematic.push_back(correction);
+    else if (auto* const tie = dynamic_cast<enforcement::ExplicitTie*>(direction.get()))
+      ties.push_back(tie);
     else
-      throw std::invalid_argument("a contact has to act: by SpringForces or as a KinematicContact");
-  if (!springs.empty() && !kinematic.empty())
-    throw std::invalid_argument("one direction of a pair acts by SpringForces and the other as a KinematicContact");
+      throw std::invalid_argument("a contact has to act: by SpringForces, as a KinematicContact or as an ExplicitTie");
+  if (int(!springs.empty()) + int(!kinematic.empty()) + int(!ties.empty()) > 1)
+    throw std::invalid_argument("the two directions of a pair act differently: by SpringForces, as a KinematicContact "
+                                "or as an ExplicitTie");
   for (const auto& direction : pair.directions())
     _directions.push_back(direction.get());
   _springs.insert(_springs.end(), springs.begin(), springs.end());
   for (enforcement::KinematicContact* contact : kinematic)
     _kinematic_step.add(contact);
-  _pairs.push_back({std::move(pair), !kinematic.empty(), columns, {}});
+  for (enforcement::ExplicitTie* tie : ties)
+    _tie_step.add(tie);
+  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, {}, nullptr});
   _search_due = true;
+}
+
+void ContactForces::add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body)
+{
+  if (!body)
+    throw std::invalid_argument("there is no rigid body");
+  if (pair.directions().size() != 1 || !dynamic_cast<enforcement::SpringForces*>(pair.directions().front().get()))
+    throw std::invalid_argument("contact with a rigid body acts by SpringForces, in one direction");
+  add(std::move(pair), std::array{-1, -1, -1});
+  _pairs.back().body = body;
+  if (std::ranges::find(_bodies, body, &Body::body) != _bodies.end())
+    return;
+  _bodies.push_back({std::move(body)});
+  int rank = 0, size = 1;
+  MPI_Comm_rank(_comm, &rank);
+  MPI_Comm_size(_comm, &size);
+  _first_rank = rank == 0;
+  _forces.assign(_bodies.size() * sums_of_body, 0.0);
+  _gathered.assign(_forces.size() * size, 0.0);
+}
+
+void ContactForces::set_body_loads(const RigidBody& body, std::array<int, 3> force, std::array<int, 3> torque)
+{
+  const auto found = std::ranges::find_if(_bodies, [&](const Body& b) { return b.body.get() == &body; });
+  if (found == _bodies.end())
+    throw std::invalid_argument("the rigid body with these loads is the master of no contact");
+  found->force = force;
+  found->torque = torque;
 }
 
 void ContactForces::set_step(double dt)
@@ -74,10 +113,11 @@ void ContactForces::search(NodalFields& fields, double last_step)
     const auto needed = contact->required_nodes(*fields.halo);
     nodes.insert(nodes.end(), needed.begin(), needed.end());
   }
-  _nodes.assign_numbers(fields, std::move(nodes), has_kinematic());
+  _nodes.assign_numbers(fields, std::move(nodes), has_corrections());
   for (enforcement::NodalContact* contact : _directions)
     contact->assign_numbers(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
   _kinematic_step.assign_numbers(*fields.halo, *_nodes.halo(), _nodes.numbers());
+  _tie_step.assign_numbers(*_nodes.halo(), {fields.inverse.data(), fields.owned});
   _search_due = false;
 }
 
@@ -96,8 +136,115 @@ void ContactForces::move_obstacles(const double* amplitudes, bool first)
       o.increment[k] = first ? 0.0 : displacement[k] - o.displacement[k];
     o.displacement = displacement;
     for (const auto& direction : pair.contact.directions())
-      direction->set_obstacle(o.displacement, o.increment);
+      direction->set_obstacle({.displacement = o.displacement, .increment = o.increment});
   }
+  if (!first || _bodies.empty())
+    return;
+  for (const Body& b : _bodies)
+    b.body->begin();
+  place_bodies();
+}
+
+void ContactForces::place_bodies()
+{
+  for (const Pair& pair : _pairs)
+    if (pair.body)
+      for (const auto& direction : pair.contact.directions())
+        direction->set_obstacle(pair.body->motion());
+}
+
+void ContactForces::apply_loads(const double* amplitudes)
+{
+  const auto load = [amplitudes](const std::array<int, 3>& columns)
+  {
+    std::array<double, 3> out{};
+    for (int k = 0; k < 3; ++k)
+      out[k] = columns[k] < 0 ? 0.0 : amplitudes[columns[k]];
+    return out;
+  };
+  for (const Body& b : _bodies)
+    b.body->set_loads(load(b.force), load(b.torque));
+}
+
+void ContactForces::advance_bodies(double dt, double h, bool starts)
+{
+  for (const Body& b : _bodies)
+    b.body->advance(dt, h, starts);
+  place_bodies();
+}
+
+void ContactForces::measure_bodies(double h, bool starts)
+{
+  for (const Body& b : _bodies)
+    b.body->measure(h, starts);
+}
+
+void ContactForces::sum_forces_on_bodies()
+{
+  if (_bodies.empty())
+    return;
+  const Stopwatch watch(_seconds);
+  std::ranges::fill(_forces, 0.0);
+  for (const Pair& pair : _pairs)
+    if (pair.body)
+    {
+      const auto at = std::ranges::find(_bodies, pair.body, &Body::body) - _bodies.begin();
+      double* const sums = _forces.data() + at * sums_of_body;
+      const std::array<double, 3> force = pair.contact.force();
+      const gap::Matrix3 moment = pair.contact.force_moment();
+      for (std::size_t k = 0; k < 3; ++k)
+        sums[k] += force[k];
+      for (std::size_t k = 0; k < 9; ++k)
+        sums[3 + k] += moment[k];
+    }
+  // MPI_Allreduce may round differently on different ranks, and the bodies must be the same on all.
+  const int count = int(_forces.size());
+  MPI_Allgather(_forces.data(), count, MPI_DOUBLE, _gathered.data(), count, MPI_DOUBLE, _comm);
+  std::ranges::fill(_forces, 0.0);
+  for (std::size_t k = 0; k < _gathered.size(); ++k)
+    _forces[k % _forces.size()] += _gathered[k];
+  for (std::size_t i = 0; i < _bodies.size(); ++i)
+  {
+    const double* const sums = _forces.data() + i * sums_of_body;
+    std::array<double, 3> force;
+    gap::Matrix3 moment;
+    std::copy_n(sums, 3, force.begin());
+    std::copy_n(sums + 3, 9, moment.begin());
+    _bodies[i].body->set_contact_forces(force, moment);
+  }
+}
+
+double ContactForces::half_obstacle_work() const
+{
+  double work = _half_obstacle_work;
+  if (_first_rank)
+    for (const Body& b : _bodies)
+      work += b.body->half_external_work();
+  return work;
+}
+
+double ContactForces::half_body_energy() const
+{
+  double energy = 0.0;
+  if (_first_rank)
+    for (const Body& b : _bodies)
+      energy += b.body->energies().before;
+  return energy;
+}
+
+void ContactForces::commit()
+{
+  _work.commit(0.0);
+  for (const Body& b : _bodies)
+    b.body->commit();
+}
+
+std::vector<RigidBodyState> ContactForces::bodies() const
+{
+  std::vector<RigidBodyState> out;
+  for (const Body& b : _bodies)
+    out.push_back(b.body->state());
+  return out;
 }
 
 double ContactForces::largest_position() const
@@ -135,7 +282,9 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   const Stopwatch watch(_seconds);
   _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
   for (const Pair& pair : _pairs)
-    _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+    if (!pair.body)
+      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+  _obstacle_work += _tie_step.support_work_after();
   _half_obstacle_work = _obstacle_work;
   if (!_search_due)
     return false;
@@ -152,7 +301,7 @@ void ContactForces::evaluate(NodalFields& fields)
   for (enforcement::SpringForces* springs : _springs)
     springs->add_forces(state(), _nodes.springs);
   for (const Pair& pair : _pairs)
-    if (!pair.kinematic)
+    if (!pair.corrects && !pair.body)
       _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
   const ContactNodes::Products products = _nodes.add_springs(fields);
   _position = products.position;
@@ -171,7 +320,7 @@ void ContactForces::predict_searches()
 
 void ContactForces::keep(const NodalFields& fields)
 {
-  if (has_kinematic())
+  if (has_corrections())
     _nodes.keep(fields);
 }
 
@@ -188,9 +337,16 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
     n.du_before[k] = last_step * n.v_before[k];
     n.kinematic[k] = 0.0;
   }
-  _kinematic_step.correct({n.du, n.du_before, n.inverse, h * dt, dt, release_share}, n.u, n.kinematic);
+  const enforcement::PredictedStep step{n.du, n.du_before, n.inverse, h * dt, dt, release_share};
+  if (!_kinematic_step.empty())
+    _kinematic_step.correct(step, n.u, n.kinematic);
+  if (!_tie_step.empty())
+  {
+    _tie_step.correct(step, n.u, n.kinematic);
+    _obstacle_work += _tie_step.support_work_before();
+  }
   for (const Pair& pair : _pairs)
-    if (pair.kinematic)
+    if (pair.corrects)
       _obstacle_work += half_work(pair, pair.obstacle.increment_before, fields.bs);
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
@@ -222,6 +378,14 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.terms_position -= 0.5 * _position;
   }
   sums.load_work += _obstacle_work;
+  if (_first_rank)
+    for (const Body& b : _bodies)
+    {
+      const RigidBody::Energies& energies = b.body->energies();
+      sums.kinetic += energies.kinetic;
+      sums.speed += energies.after;
+      sums.load_work += b.body->external_work();
+    }
   sums.searches_due = _searches_due;
   for (const Pair& pair : _pairs)
   {
@@ -232,7 +396,7 @@ void ContactForces::add_energies(EnergySums& sums) const
     sums.passages += pair.contact.passage().node >= 0;
     for (const auto& direction : pair.contact.directions())
       sums.unsolved += double(direction->num_unsolved());
-    if (pair.kinematic)
+    if (pair.corrects)
     {
       sums.kinematic += energy.normal;
       sums.taken -= energy.normal + energy.later_normal;
@@ -283,7 +447,7 @@ void ContactForces::forget_searches()
 }
 
 void ContactForces::restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
-                            const std::vector<Obstacle>& obstacles)
+                            const std::vector<Obstacle>& obstacles, const std::vector<RigidBodyState>& bodies)
 {
   if (empty())
     return;
@@ -295,8 +459,11 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   {
     _pairs[k].obstacle = obstacles[k];
     for (const auto& direction : _pairs[k].contact.directions())
-      direction->restore_obstacle(obstacles[k].displacement, obstacles[k].increment);
+      direction->restore_obstacle({.displacement = obstacles[k].displacement, .increment = obstacles[k].increment});
   }
+  for (std::size_t i = 0; i < _bodies.size(); ++i)
+    _bodies[i].body->state() = bodies[i];
+  place_bodies();
   for (enforcement::NodalContact* contact : _directions)
     contact->forget_search();
 }

@@ -57,7 +57,7 @@ EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<
   if (steps.before > 0.0)
   {
     // What is done of a work, without the half before the time level, goes up to the middle of the step before.
-    e.half_kinetic = 0.5 * sums.old_speed;
+    e.half_kinetic = 0.5 * sums.old_speed + contact.half_body_energy();
     e.half_external = _load_work.done + _support_work.done + contact.half_obstacle_work();
     for (const ForceTerm& term : terms)
       if (term.kind() == WorkKind::external)

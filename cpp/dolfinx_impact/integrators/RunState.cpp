@@ -16,9 +16,9 @@ void add_works(State& out, const std::string& name, RunState::Term& term)
 }
 } // namespace
 
-RunState::RunState(std::size_t num_owned, std::size_t num_terms, std::size_t num_contacts)
+RunState::RunState(std::size_t num_owned, std::size_t num_terms, std::size_t num_contacts, std::size_t num_bodies)
     : u(num_owned, 0.0), v(u), r(u), terms(num_terms, {u, {}, 0.0}), springs{u, {}, 0.0}, kinematic(u),
-      obstacles(num_contacts)
+      obstacles(num_contacts), bodies(num_bodies)
 {
 }
 
@@ -51,6 +51,9 @@ State RunState::state(std::size_t bs)
       common.add("obstacle_increment" + end, Place::rank, obstacles[k].increment[c]);
       common.add("obstacle_increment_before" + end, Place::rank, obstacles[k].increment_before[c]);
     }
-  return out.add(std::move(works)).add(std::move(common));
+  out.add(std::move(works)).add(std::move(common));
+  for (std::size_t k = 0; k < bodies.size(); ++k)
+    out.add(bodies[k].state("body" + std::to_string(k)));
+  return out;
 }
 } // namespace dolfinx_impact::integrators

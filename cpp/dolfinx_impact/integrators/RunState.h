@@ -21,10 +21,11 @@ struct RunState
 
   /// Zeros.
   /// @param[in] num_owned degrees of freedom
-  RunState(std::size_t num_owned, std::size_t num_terms, std::size_t num_contacts);
+  /// @param[in] num_bodies rigid bodies
+  RunState(std::size_t num_owned, std::size_t num_terms, std::size_t num_contacts, std::size_t num_bodies);
 
-  /// As a tree of named arrays, views: those of nodes, and the parts "works", sums over ranks, and "common", the same
-  /// on all ranks.
+  /// As a tree of named arrays, views: those of nodes, and the parts "works", sums over ranks, "common", the
+  /// same on all ranks, and "body0", ..., of no rank.
   /// @param[in] bs components of a node
   state::State state(std::size_t bs);
 
@@ -37,5 +38,6 @@ struct RunState
   double last_step = 0.0, contact_step = 0.0; ///< [T]
   double unwatched = 0.0;                     ///< steps since the last look at deformations [1]
   std::vector<ContactForces::Obstacle> obstacles;
+  std::vector<RigidBodyState> bodies;
 };
 } // namespace dolfinx_impact::integrators

@@ -5,6 +5,8 @@
 #include "../common/dolfinx_api.h"
 #include "../common/gather.h"
 #include "../common/text.h"
+#include "../enforcement/general/GeneralContact.h"
+#include "../enforcement/mortar/tied_nodes.h"
 #include "../enforcement/node_to_surface/KinematicContact.h"
 #include "../enforcement/node_to_surface/NodePenalty.h"
 #include "../enforcement/node_to_surface/TrialSprings.h"
@@ -21,6 +23,36 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
+/// Of the bodies' size: what static solutions leave of the conditions of ties.
+constexpr double tied_start = 1e-9;
+/// Rigid bodies of contacts, each once.
+std::vector<std::shared_ptr<RigidBodyInTime>> bodies_of(const std::vector<ContactInTime>& contacts)
+{
+  std::vector<std::shared_ptr<RigidBodyInTime>> out;
+  for (const ContactInTime& c : contacts)
+    if (c.body && std::ranges::find(out, c.body) == out.end())
+      out.push_back(c.body);
+  return out;
+}
+
+/// The integrator's view of a rigid body, which keeps all of it.
+std::shared_ptr<integrators::RigidBody> in_integrator(const std::shared_ptr<RigidBodyInTime>& body)
+{
+  return {body, &body->body};
+}
+
+/// Add a function of time with three components.
+std::array<int, 3> add_vector(FunctionsOfTime& functions, const std::optional<FunctionOfTime>& function,
+                              const std::string& what)
+{
+  if (!function)
+    return {-1, -1, -1};
+  if (function->size() != 3)
+    throw std::invalid_argument(what + " has three components");
+  const int first = functions.add(*function);
+  return {first, first + 1, first + 2};
+}
+
 /// Bodies with scheme, supports, loads and contacts: what steps.
 std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBody& body, TransientProblem& problem,
                                                                 const std::vector<LoadInTime>& loads,
@@ -45,10 +77,19 @@ std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBo
     out.add_load(load.dofs, load.values, load.amplitude ? column++ : -1);
   for (const ContactInTime& c : contacts)
   {
-    const int first = c.motion ? problem.functions().add(*c.motion) : -1;
-    if (c.motion && c.motion->size() != 3)
-      throw std::invalid_argument(c.name + ": the motion of a rigid master has three components");
-    out.add_contact(c.contact, first < 0 ? std::array{-1, -1, -1} : std::array{first, first + 1, first + 2});
+    if (c.motion && c.body)
+      throw std::invalid_argument(c.name + ": a rigid body moves by forces, not as a function of time");
+    const auto columns = add_vector(problem.functions(), c.motion, c.name + ": the motion of a rigid master");
+    if (c.body)
+      out.add_rigid_body_contact(c.contact, in_integrator(c.body));
+    else
+      out.add_contact(c.contact, columns);
+  }
+  for (const auto& rigid : bodies_of(contacts))
+  {
+    const auto force = add_vector(problem.functions(), rigid->force, "the force on a rigid body");
+    const auto torque = add_vector(problem.functions(), rigid->torque, "the torque on a rigid body");
+    out.set_body_loads(rigid->body, force, torque);
   }
   out.set_release_limit(options.release_limit);
   return integrator;
@@ -111,12 +152,24 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
     const Rest rest(common::array(*u.x()));
     return body.frequencies->nodal_stiffness(nodes);
   };
+  for (const auto& rigid : bodies_of(contacts))
+  {
+    std::vector<const enforcement::NodalPair*> pairs;
+    for (const ContactInTime& c : contacts)
+      if (c.body == rigid)
+        pairs.push_back(&c.contact);
+    set_mobility(u.function_space()->mesh()->comm(), rigid->body, pairs);
+  }
   std::optional<std::span<const double>> moduli;
   if (body.elasticity)
     moduli = body.elasticity->moduli;
   for (const ContactInTime& c : contacts)
   {
     const auto& directions = c.contact.directions();
+    if (auto* general = dynamic_cast<enforcement::GeneralContact*>(directions.front().get());
+        general && general->lacks_compliances())
+      general->set_nodal_compliances(
+          enforcement::nodal_compliances(*u.function_space(), general->facets(), moduli, frequency_stiffness));
     const auto* first = dynamic_cast<const enforcement::NodePenalty*>(directions.front().get());
     if (!first || !first->lacks_compliances())
       continue;
@@ -129,6 +182,23 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
       std::swap(found.slave, found.master); // the other direction has both surfaces exchanged
     }
   }
+  return contacts;
+}
+
+/// Ties of a problem, in the order of its contacts.
+std::vector<enforcement::ExplicitTie*> ties_of(const std::vector<ContactInTime>& contacts)
+{
+  std::vector<enforcement::ExplicitTie*> out;
+  for (const ContactInTime& c : contacts)
+    if (auto* const tie = dynamic_cast<enforcement::ExplicitTie*>(c.contact.directions().front().get()))
+      out.push_back(tie);
+  return out;
+}
+
+/// Contacts whose ties know each other. Collective.
+std::vector<ContactInTime> with_ties(std::vector<ContactInTime> contacts)
+{
+  enforcement::connect(ties_of(contacts));
   return contacts;
 }
 
@@ -160,7 +230,7 @@ ExplicitProblem::ExplicitProblem(std::shared_ptr<Function> u, std::shared_ptr<Fu
                                  std::vector<ContactInTime> contacts, const ExplicitOptions& options,
                                  std::shared_ptr<Function> a)
     : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(loads), std::move(a)),
-      _body(std::move(body)), _contacts(with_stiffness(std::move(contacts), _body, *_u)),
+      _body(std::move(body)), _contacts(with_stiffness(with_ties(std::move(contacts)), _body, *_u)),
       _integrator(make_integrator(_body, *this, loads, _contacts, options)),
       _safe(_u, _body.frequencies, cell_steps(_body, _contacts, *_u->function_space(), options.scheme), _body.kind,
             *_integrator),
@@ -194,6 +264,7 @@ ExplicitStepper::System ExplicitProblem::system()
             for (const auto& operation : {_body.internal.inner, _body.internal.outer})
               if (operation->has_history())
                 operation->store_snapshot();
+            keep_bodies();
           },
           [this] { go_back(); },
           [this] { return unsolved(); }};
@@ -207,6 +278,27 @@ void ExplicitProblem::go_back()
   for (const ContactInTime& c : _contacts)
     for (const auto& direction : c.contact.directions())
       direction->reset();
+  const auto bodies = rigid_bodies();
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    bodies[i]->body.state() = _kept_bodies[i];
+}
+
+std::vector<std::shared_ptr<RigidBodyInTime>> ExplicitProblem::rigid_bodies() const
+{
+  return bodies_of(_contacts);
+}
+
+/// Places and momenta at the present time level: a run that goes back starts from them.
+void ExplicitProblem::keep_bodies()
+{
+  _kept_bodies.clear();
+  for (const auto& rigid : rigid_bodies())
+  {
+    const double dt = _integrator->last_step();
+    integrators::RigidBodyState& kept = _kept_bodies.emplace_back(rigid->body.state());
+    kept.momentum = rigid->body.momentum(dt);
+    kept.angular_momentum = rigid->body.angular_momentum(dt);
+  }
 }
 
 std::string ExplicitProblem::unsolved() const
@@ -224,6 +316,15 @@ void ExplicitProblem::check_overlap()
     const enforcement::NodalContact* slaves = c.contact.directions().front().get();
     const auto* contact = dynamic_cast<const enforcement::NodeToSurface*>(slaves);
     long long deep = contact ? contact->implausible() : 0;
+    if (const auto* general = dynamic_cast<const enforcement::GeneralContact*>(slaves))
+    {
+      deep = common::sum(comm(), (long long)(general->implausible()));
+      if (deep > 0)
+        throw common::BadValue(c.name + ": " + std::to_string(deep) +
+                               " nodes lie deeper in another body than a twentieth of a cell: the bodies overlap at "
+                               "the start; move them apart");
+      continue;
+    }
     if (_step == 0 && contact && contact->obstacle())
       deep = contact->too_deep(_integrator->displacement()).value_or(0);
     else if (_step == 0 && dynamic_cast<const enforcement::KinematicContact*>(slaves))
@@ -302,6 +403,8 @@ double ExplicitProblem::assembled_stable_step()
 {
   if (!_body.stiffness)
     throw common::BadValue("the stiffness of these bodies cannot be assembled: use method 'element'");
+  if (!rigid_bodies().empty())
+    throw common::BadValue("rigid bodies are not part of the assembled system: use method 'element'");
   std::vector<double> inverse(num_owned());
   for (std::size_t i = 0; i < inverse.size(); ++i)
     inverse[i] = _supports.mask()[i] ? 0.0 : 1.0 / _body.mass[i];
@@ -340,8 +443,37 @@ void ExplicitProblem::update_motion()
 void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();
+  start_tied();
   _stepper.start(common::array(*_u->x()).first(owned), common::array(*_v->x()).first(owned), observer);
   update_motion();
+}
+
+/// Refuse a displacement that contradicts the ties; remove from the velocity what they forbid. Collective.
+void ExplicitProblem::start_tied()
+{
+  std::vector<const enforcement::TieConditions*> ties;
+  for (const enforcement::ExplicitTie* tie : ties_of(_contacts))
+    ties.push_back(&tie->conditions());
+  _lost_at_start = 0.0;
+  if (ties.empty())
+    return;
+  std::vector<double> inverse(num_owned());
+  for (std::size_t i = 0; i < inverse.size(); ++i)
+    inverse[i] = _supports.mask()[i] ? 0.0 : 1.0 / _body.mass[i];
+  const double size = ties[0]->size();
+  enforcement::TieSystem system(std::move(ties), inverse);
+  const double apart = system.largest_jump(common::array(*_u->x()).first(num_owned()));
+  if (apart > tied_start * size)
+    throw common::BadValue("the displacement at the start moves tied surfaces apart by " + common::text("%.3e", apart) +
+                           ": ties hold from the reference configuration on; start from "
+                           "zero, or from a static problem with the same ties");
+  const std::span<double> v = common::array(*_v->x()).first(num_owned());
+  const std::vector<double> allowed = system.project(v);
+  for (std::size_t i = 0; i < v.size(); ++i)
+    _lost_at_start += 0.5 * _body.mass[i] * (v[i] * v[i] - allowed[i] * allowed[i]);
+  _lost_at_start = common::sum(comm(), _lost_at_start);
+  std::ranges::copy(allowed, v.begin());
+  _v->x()->scatter_fwd();
 }
 
 void ExplicitProblem::resume(double time, std::int64_t step, double next_time, double nominal,

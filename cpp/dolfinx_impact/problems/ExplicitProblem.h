@@ -6,6 +6,7 @@
 #include "../state/State.h"
 #include "ExplicitBody.h"
 #include "ExplicitStepper.h"
+#include "RigidBodyInTime.h"
 #include "TransientProblem.h"
 #include <functional>
 #include <memory>
@@ -30,6 +31,7 @@ struct ContactInTime
   enforcement::NodalPair contact;                      ///< one direction, or both of balanced contact
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
+  std::shared_ptr<RigidBodyInTime> body{};             ///< the master moves by forces; null: it does not
 };
 
 struct ExplicitOptions
@@ -90,6 +92,8 @@ public:
   /// contacts have got a history. Collective.
   /// @throws common::BadValue if bodies overlap
   void start(RunObserver& observer);
+  /// Kinetic energy of the velocity at the start that ties have taken, as it contradicts them [F L].
+  double lost_at_start() const { return _lost_at_start; }
   /// Go on from a checkpoint; integrator and `safe_step` must have been restored. Collective.
   void resume(double time, std::int64_t step, double next_time, double nominal,
               const std::optional<integrators::StepSchedule>& schedule, RunObserver& observer);
@@ -99,10 +103,14 @@ public:
   const ExplicitStepper& stepper() const { return _stepper; }
   const ExplicitBody& body() const { return _body; }
   const std::vector<ContactInTime>& contacts() const { return _contacts; }
+  /// Rigid bodies, each once, in the order of the contacts.
+  std::vector<std::shared_ptr<RigidBodyInTime>> rigid_bodies() const;
 
 private:
   ExplicitStepper::System system();
+  void keep_bodies();
   void check_overlap();
+  void start_tied();
   void go_back();
   std::string unsolved() const;
   double assembled_stable_step();
@@ -113,6 +121,8 @@ private:
   integrators::SafeStep _safe;
   RunHistory _history;
   ExplicitStepper _stepper;
-  bool _advances = false; ///< a call of `advance` is running
+  double _lost_at_start = 0.0;
+  std::vector<integrators::RigidBodyState> _kept_bodies; ///< of the state that a failed run goes back to
+  bool _advances = false;                                ///< a call of `advance` is running
 };
 } // namespace dolfinx_impact::problems

@@ -52,6 +52,12 @@ void StaticProblem::move_obstacle(std::size_t contact, const std::array<double, 
   _obstacles[contact] = displacement;
 }
 
+void StaticProblem::add_rigid_body(StaticRigidBody body)
+{
+  RigidEquilibrium(_equilibrium, {body});
+  _rigid_bodies.push_back(std::move(body));
+}
+
 void StaticProblem::check(const SolveOptions& options) const
 {
   if (options.steps < 1 || options.max_iterations < 1 || options.cut_backs.value_or(0) < 0)
@@ -90,6 +96,10 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
 {
   const solve::EquilibriumProblem& p = *_equilibrium;
   check(options);
+  // Rigid bodies begin where they are.
+  for (const StaticRigidBody& body : _rigid_bodies)
+    for (std::size_t k : body.contacts)
+      _obstacles[k] = p.contacts[k]->displacement();
   for (const auto& contact : p.contacts)
   {
     contact->check_without_time();
@@ -101,6 +111,12 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
   target.scatter_fwd();
   solve::LoadSteps steps(_equilibrium, {target.array().begin(), target.array().end()}, _loads, _obstacles, events);
   const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
+  if (!_rigid_bodies.empty())
+  {
+    RigidEquilibrium rigid(_equilibrium, _rigid_bodies, events.log);
+    return steps.run([&](std::span<const double> goal) { return rigid.run(solver, goal); },
+                     {options.steps, options.cut_backs.value_or(several)});
+  }
   return steps.run(solver, {options.steps, options.cut_backs.value_or(several)});
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "../solve/IncrementSolver.h"
 #include "../solve/LoadSteps.h"
+#include "RigidEquilibrium.h"
 #include "make_equilibrium.h"
 #include <array>
 #include <dolfinx/fem/DirichletBC.h>
@@ -65,6 +66,11 @@ public:
   /// Displacement of a contact's rigid master that the next solve leads to [L].
   /// @throws std::invalid_argument if its master is deformable
   void move_obstacle(std::size_t contact, const std::array<double, 3>& displacement);
+  /// A rigid master that loads and contacts move: solves look for its equilibrium, too.
+  /// @param[in] body the view of its force must stay valid, and be that of a load of `add_load` if it is to be applied
+  /// in parts
+  /// @throws std::invalid_argument as the constructor of RigidEquilibrium
+  void add_rigid_body(StaticRigidBody body);
   /// Displacements, state of bodies and contacts, and loads as reached: copied, the problem can be brought back to it.
   state::State state();
   /// Compute what follows from a state that was assigned: ghosts. Collective.
@@ -86,6 +92,7 @@ private:
   BoundaryConditions _bcs;
   std::vector<solve::LoadSteps::Displacement> _obstacles;
   std::vector<solve::Ramp> _loads;
+  std::vector<StaticRigidBody> _rigid_bodies;
   std::vector<std::unique_ptr<std::vector<double>>> _reached; ///< loads of the last solve, of those without a view
   /// Of the present solve. After an exception, which may be that of one rank, it stays until ranks are together again.
   std::unique_ptr<solve::IncrementSolver> _solver;

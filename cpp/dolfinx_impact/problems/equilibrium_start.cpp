@@ -2,6 +2,7 @@
 #include "equilibrium_start.h"
 #include "../common/dolfinx_api.h"
 #include "../common/gather.h"
+#include "../enforcement/mortar/Tie.h"
 #include "../operators/saved_history.h"
 #include "SpringStart.h"
 #include <algorithm>
@@ -39,6 +40,8 @@ void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumPr
   std::vector<SpringStart> starts;
   for (std::size_t k = 0; k < contacts.size(); ++k)
   {
+    if (dynamic_cast<const enforcement::Tie*>(contacts[k].get()))
+      continue; // every step solves for the forces of ties
     const bool presses = std::ranges::any_of(contacts[k]->pressure(), [](double p) { return p > 0.0; });
     if (common::largest(comm, presses ? 1.0 : 0.0) == 0.0)
       continue;

@@ -120,6 +120,7 @@ FailedRun::FailedRun(const integrators::CentralDifference& integrator, const dol
   const bool mine = here.rank == found.rank;
   _place = from_rank(comm, found.rank, mine && node >= 0 ? describe_node(V, node) : "");
   _contact = from_rank(comm, found.rank, mine && contact >= 0 ? contacts[contact] : "");
+  _pressed = !from_rank(comm, found.rank, mine && passage.pressed ? "yes" : "").empty();
 }
 
 std::string FailedRun::message_of(const std::string& fault, double back_at) const
@@ -131,6 +132,10 @@ std::string FailedRun::message_of(const std::string& fault, double back_at) cons
 std::string FailedRun::message(double back_at, double stable_step) const
 {
   const std::string back = "the problem is back at the time " + text("%.6g", back_at);
+  if (_passed > 0.0 && _pressed)
+    return _contact + ": a node was pressed through the surface that held it back, at the time " + text("%.6g", _time) +
+           ": " + _place + ". It is deeper than the cell behind the surface is high, by the factor " +
+           text("%.3g", _passed) + "; " + back + ". Take finer cells, whose springs are stiffer, or smaller forces";
   if (_passed > 0.0)
     return _contact + ": a slave node went through the master at the time " + text("%.6g", _time) + ": " + _place +
            ". Contact holds back nodes that come through the surface by up to one facet in a step, this one came by " +

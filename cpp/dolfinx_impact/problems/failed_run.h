@@ -48,6 +48,7 @@ private:
   std::string _unsolved, _place, _contact;
   double _time, _step, _stable_step;
   double _gain, _gain_limit, _released, _release_limit;
-  double _passed = 0.0; ///< facets by which a slave node passed through the master in one step
+  bool _pressed = false; ///< it was held back, but pressed through by a force
+  double _passed = 0.0;  ///< facets by which a slave node passed through the master in one step
 };
 } // namespace dolfinx_impact::problems

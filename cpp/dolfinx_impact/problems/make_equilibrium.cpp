@@ -2,6 +2,7 @@
 #include "make_equilibrium.h"
 #include "../enforcement/mortar/MortarContact.h"
 #include "../enforcement/mortar/shared_nodes.h"
+#include "../enforcement/mortar/tied_nodes.h"
 #include "../operators/PetscErrorText.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
@@ -77,12 +78,18 @@ make_equilibrium(std::shared_ptr<dolfinx::fem::Function<double>> u, std::shared_
   for (const auto& contact : p.contacts)
     if (enforcement::MortarContact* mortar = contact->mortar())
       multipliers.push_back(mortar);
+  std::vector<enforcement::Tie*> ties;
+  for (const auto& contact : p.contacts)
+    if (auto* const tie = dynamic_cast<enforcement::Tie*>(contact.get()))
+      ties.push_back(tie);
   const std::string common = options.prefix.empty() ? prefix : options.prefix;
-  const bool shared = enforcement::connect(multipliers);
+  const bool shared = enforcement::connect(multipliers), tied = enforcement::connect(ties, multipliers);
   const bool condense = condenses(options, common);
-  p.keeps_multipliers = shared || (!multipliers.empty() && !condense) ||
+  p.keeps_multipliers = shared || tied || ((!multipliers.empty() || !ties.empty()) && !condense) ||
                         std::ranges::any_of(multipliers, [](const enforcement::MortarContact* contact)
-                                            { return contact->options().basis != gap::Multipliers::dual; });
+                                            { return contact->options().basis != gap::Multipliers::dual; }) ||
+                        std::ranges::any_of(ties, [](const enforcement::Tie* tie)
+                                            { return tie->conditions().options().basis != gap::Multipliers::dual; });
   p.linear_solver = std::make_shared<solve::LinearSolver>(*V, options.petsc, common, p.keeps_multipliers,
                                                           options.limits, options.warn);
   mark_as_read(p.linear_solver->prefix());

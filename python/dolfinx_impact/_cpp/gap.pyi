@@ -98,6 +98,24 @@ class Rigid:
     @displacement.setter
     def displacement(self, arg: Sequence[float], /) -> None: ...
     @property
+    def centre(self) -> list[float]:
+        """About which it rotates, before the displacement"""
+
+    @centre.setter
+    def centre(self, arg: Sequence[float], /) -> None: ...
+    @property
+    def rotates(self) -> bool:
+        """Without, the rotation has no effect"""
+
+    @rotates.setter
+    def rotates(self, arg: bool, /) -> None: ...
+    @property
+    def rotation(self) -> list[float]:
+        """A matrix, row by row"""
+
+    @rotation.setter
+    def rotation(self, arg: Sequence[float], /) -> None: ...
+    @property
     def orientation_hint(self) -> str:
         """What can be changed if the body is on its wrong side"""
 

@@ -429,6 +429,105 @@ class SaddlePoint:
     def forces(self, y: petsc4py.PETSc.Vec) -> NDArray[numpy.float64]:
         """The multipliers' forces that unknowns stand for"""
 
+class Tie(dolfinx_impact._cpp.enforcement.MultiplierContact):
+    """Two surfaces tied to each other; arrays are copies"""
+
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        options: TieOptions,
+        fixed: NDArray[numpy.bool_],
+    ) -> None:
+        """Collective"""
+
+    @property
+    def conditions(self) -> TieConditions: ...
+    @property
+    def totals(self) -> dolfinx_impact._cpp.enforcement.ContactTotals: ...
+    def constraints(self) -> Constraints:
+        """Constraints of all nodes for the linear system"""
+
+class TieConditions:
+    """Conditions C u = 0 of a tie; arrays are copies"""
+
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        options: TieOptions,
+        fixed: NDArray[numpy.bool_],
+    ) -> None:
+        """Collective"""
+
+    @property
+    def nodes(self) -> NDArray[numpy.int32]: ...
+    @property
+    def numbers(self) -> NDArray[numpy.int64]: ...
+    @property
+    def points(self) -> NDArray[numpy.float64]:
+        """Reference, (n, gdim) [L]"""
+
+    @property
+    def normal(self) -> NDArray[numpy.float64]:
+        """Reference, (n, gdim)"""
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the bodies [L]"""
+
+    @property
+    def num_free(self) -> int:
+        """Slave nodes of all ranks without a master"""
+
+    @property
+    def area(self) -> NDArray[numpy.float64]:
+        """(n) [L^2]"""
+
+    @property
+    def offset(self) -> NDArray[numpy.float64]:
+        """(n, gdim) [L]"""
+
+    @property
+    def rows(self) -> Constraints: ...
+    @property
+    def matrix(self) -> petsc4py.PETSc.Mat:
+        """C, kept by this object"""
+
+    def jump(self, u: NDArray[numpy.floating[Any]]) -> NDArray[numpy.float64]:
+        """C u over the weights, (n, gdim) [L]. Collective"""
+
+    def forces(self, z: NDArray[numpy.floating[Any]]) -> NDArray[numpy.float64]:
+        """C^T z, owned [F]. Collective"""
+
+class TieOptions:
+    """What may be chosen of a tie"""
+
+    def __init__(
+        self,
+        *,
+        name: str = "tie",
+        normal_only: bool = False,
+        partial: bool = False,
+        basis: dolfinx_impact._cpp.gap.Multipliers = dolfinx_impact._cpp.gap.Multipliers.dual,
+        quadrature_degree: int | None = None,
+        search_distance: float = 0.0,
+        axisymmetric: bool = False,
+    ) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def normal_only(self) -> bool: ...
+    @property
+    def basis(self) -> dolfinx_impact._cpp.gap.Multipliers: ...
+
+def adjust_tie(mesh: dolfinx.cpp.mesh.Mesh_float64, conditions: TieConditions) -> float:
+    """
+    Move the slave's nodes by what the surfaces are apart. Returns the largest motion [L]. Collective
+    """
+
 def coo_matrix(
     comm: mpi4py.MPI.Comm,
     num_rows: int,

@@ -9,6 +9,65 @@ from numpy.typing import NDArray
 
 import dolfinx_impact._cpp
 
+class ExplicitTie(NodalContact):
+    """Two surfaces tied in an explicit problem"""
+
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        slave: dolfinx_impact._cpp.surface.Facets,
+        master: dolfinx_impact._cpp.surface.Facets,
+        options: dolfinx_impact._cpp.multipliers.TieOptions,
+        fixed: NDArray[numpy.bool_],
+    ) -> None:
+        """Collective"""
+
+    @property
+    def conditions(self) -> dolfinx_impact._cpp.multipliers.TieConditions: ...
+    @property
+    def traction(self) -> NDArray[numpy.float64]:
+        """Of the last step, (n, gdim) [F/L^2]"""
+
+    def forces(self) -> NDArray[numpy.float64]:
+        """Nodal forces of the last step on both surfaces, owned [F]. Collective"""
+
+class GeneralContact(NodalContact):
+    """All facets of a surface against each other; all arrays are copies"""
+
+    def __init__(
+        self,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        facets: dolfinx_impact._cpp.surface.Facets,
+        friction: float = 0.0,
+        named: Sequence[tuple[dolfinx_impact._cpp.surface.Facets, dolfinx_impact._cpp.surface.Facets]] = [],
+    ) -> None:
+        """named: pairs of surfaces that other contacts push apart. Collective"""
+
+    @property
+    def nodes(self) -> NDArray[numpy.int32]: ...
+    @property
+    def X(self) -> NDArray[numpy.float64]: ...
+    @property
+    def areas(self) -> NDArray[numpy.float64]: ...
+    def normals(self) -> NDArray[numpy.float64]: ...
+    def nodal_forces(self) -> NDArray[numpy.float64]:
+        """Collective"""
+
+    def results(self) -> dict[str, NDArray[Any]]: ...
+    @property
+    def deepest(self) -> float: ...
+    @property
+    def num_springs(self) -> tuple[int, int]:
+        """Springs of nodes, and of crossed edges, on this rank"""
+
+    @property
+    def num_candidates(self) -> tuple[int, int]:
+        """Listed pairs of nodes and facets, and of edges, on this rank"""
+
+    @property
+    def searches(self) -> int: ...
+    def energy(self) -> dict[str, float]: ...
+
 class KinematicContact(NodeToSurface):
     """Forces that correct a predicted step"""
 
@@ -76,7 +135,7 @@ class NodalPair:
         """
 
     @property
-    def directions(self) -> list[NodeToSurface]: ...
+    def directions(self) -> list[NodalContact]: ...
     @property
     def force(self) -> NDArray[numpy.float64]:
         """

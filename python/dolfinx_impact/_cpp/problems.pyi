@@ -82,7 +82,11 @@ class ContactInTime:
     """A contact, and the motion of its rigid master"""
 
     def __init__(
-        self, contact: dolfinx_impact._cpp.nodal.NodalPair, name: str, start: NDArray[numpy.floating[Any]] | None
+        self,
+        contact: dolfinx_impact._cpp.nodal.NodalPair,
+        name: str,
+        start: NDArray[numpy.floating[Any]] | None,
+        body: RigidBodyInTime | None = None,
     ) -> None: ...
 
 class ExplicitBody:
@@ -130,6 +134,10 @@ class ExplicitProblem:
 
     @property
     def time(self) -> float: ...
+    @property
+    def lost_at_start(self) -> float:
+        """Kinetic energy that ties have taken [F L]"""
+
     @property
     def step(self) -> int: ...
     @property
@@ -338,6 +346,40 @@ class PrescribedMotion:
     def __init__(self, bc: dolfinx.cpp.fem.DirichletBC_float64, start: NDArray[numpy.floating[Any]] | None) -> None:
         """start: amplitude at the start; None: it is constant"""
 
+class RigidBodyInTime:
+    """A rigid body that moves by the forces of contacts and loads"""
+
+    def __init__(
+        self,
+        mass: float,
+        inertia: Sequence[float],
+        centre: Sequence[float],
+        displacement: Sequence[float],
+        velocity: Sequence[float],
+        spin: Sequence[float],
+        fixed_velocity: Sequence[bool],
+        fixed_spin: Sequence[bool],
+        force: NDArray[numpy.floating[Any]] | None,
+        torque: NDArray[numpy.floating[Any]] | None,
+    ) -> None:
+        """Force and torque: their values at the start, or None without"""
+
+    @property
+    def position(self) -> list[float]: ...
+    @property
+    def rotation(self) -> list[float]: ...
+    def velocity(self, dt: float) -> list[float]:
+        """At the present time level; dt: the step that led to it, 0 at the start"""
+
+    def spin(self, dt: float) -> list[float]: ...
+    def momentum(self, dt: float) -> list[float]: ...
+    def angular_momentum(self, dt: float) -> list[float]: ...
+    def kinetic_energy(self, dt: float) -> float: ...
+    @property
+    def contact_force(self) -> list[float]: ...
+    @property
+    def contact_torque(self) -> list[float]: ...
+
 class RollingProblem:
     """Bodies through whose meshes the material flows steadily"""
 
@@ -514,6 +556,11 @@ class StaticProblem:
     def add_load(self, value: NDArray[numpy.float64], reached: NDArray[numpy.float64]) -> None:
         """
         A load that is applied in parts: views of its value and of that which was reached
+        """
+
+    def add_rigid_body(self, contacts: Sequence[int], fixed: Sequence[bool], force: NDArray[numpy.float64]) -> None:
+        """
+        A rigid master that loads and contacts move; a view of the external force on it
         """
 
     def move_obstacle(self, contact: int, displacement: Sequence[float]) -> None:

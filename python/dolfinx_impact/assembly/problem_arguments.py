@@ -136,7 +136,7 @@ def problem(
             raise TypeError(f"contact holds a ContactPair: say how it is enforced, {hint}")
         if not hasattr(c, "_bind") or isinstance(c, type):
             found = c.__name__ if isinstance(c, type) else type(c).__name__
-            raise TypeError(f"contact must hold Lagrange, Penalty or Kinematic of pairs, found {found}")
+            raise TypeError(f"contact must hold Lagrange, Penalty, Kinematic or Tie of pairs, found {found}")
         arguments.tags(c.pair.name, c.pair.facet_tags, mesh, tdim - 1)
     return {
         "material": given_material,

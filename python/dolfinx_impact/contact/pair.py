@@ -20,6 +20,7 @@ from ..common.types import FloatArray, IntArray
 from ..loads import _tag, check_tag, facet_tags_of
 from .nodal_sum import NodalSum
 from .rigid import _Rigid
+from .rigid_body import RigidBody
 
 _Result = TypeVar("_Result")
 Smooth = bool | Callable[[FloatArray], Any]
@@ -40,7 +41,7 @@ class ContactPair(Fixed):
         facet_tags: tags of facets.
         slave: tag of the slave surface; preferably the finer mesh and the softer body.
         master: tag of the master surface, a list of tags for several surfaces that one slave may touch, or a
-            RigidPlane, RigidSphere, RigidCylinder or RigidSurface.
+            RigidPlane, RigidSphere, RigidCylinder, RigidSurface or RigidBody.
         friction: coefficient of friction, zero or more [1].
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
@@ -141,6 +142,27 @@ class ContactPair(Fixed):
             return self.master
         raise TypeError(f"{self.name}: the master is a surface of the mesh, not a rigid obstacle")
 
+    @property
+    def rigid_body(self) -> RigidBody | None:
+        """The master, if it is a body that moves by forces."""
+        return self.master if isinstance(self.master, RigidBody) else None
+
+    def refuse_rigid_body(self, what: str, problem: object = None) -> None:
+        """Refuse a master that moves by forces, unless the problem moves it.
+
+        Args:
+            what: what does not move it.
+            problem: the problem; None: none that does.
+
+        Raises:
+            ValueError: the master is a RigidBody.
+        """
+        if self.rigid_body is not None and not getattr(problem, "moves_rigid_bodies", False):
+            raise ValueError(
+                f"{self.name}: {what} does not move a RigidBody: take Penalty in an ExplicitProblem, or a "
+                "StaticProblem, or give its surface as the master and displace it"
+            )
+
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
         """Check the arguments of a pair, on this rank."""
         self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)
@@ -148,7 +170,8 @@ class ContactPair(Fixed):
         self.rigid = isinstance(master, _Rigid)
         if self.slave in self.masters:
             raise ValueError(
-                f"slave and master have the same tag {self.slave}: self-contact is not supported, tag two surfaces"
+                f"slave and master have the same tag {self.slave}: tag two surfaces, or take GeneralContact, which "
+                "knows self-contact, in an explicit problem"
             )
         self.friction = number("friction", friction)
         if self.friction < 0.0:

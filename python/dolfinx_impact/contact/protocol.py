@@ -69,8 +69,15 @@ class StaticContactProblem(ContactProblem, Protocol):
 
 
 class ExplicitContactProblem(ContactProblem, Protocol):
-    """What a contact reads of an explicit problem."""
+    """What a contact reads of an explicit problem.
 
+    Attributes:
+        prescribed: mask of prescribed degrees of freedom, owned and ghosts.
+        named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
+    """
+
+    prescribed: BoolArray
+    named_pairs: list[ContactPair]
     _cpp_object: _cpp.problems.ExplicitProblem
 
 

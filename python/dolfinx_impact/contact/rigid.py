@@ -45,6 +45,7 @@ class _Rigid(Fixed):
             along itself [L/T].
     """
 
+    given_once: tuple[str, ...] = ()  # arguments whose names have the present values, which change in a run
     _checksum = ""  # of a shape that is not given by a few numbers
 
     def __init__(self, kind: str, point: FloatArray, direction: FloatArray, radius: float) -> None:

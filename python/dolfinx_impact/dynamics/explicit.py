@@ -24,9 +24,11 @@ from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
+from ..common.messages import LOG
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..common.unique import claim
 from ..common.units import Units
+from ..contact.explicit.general import named_pairs
 from ..forms.compiler.frontend import check_kinds
 from ..foundation import Foundation
 from ..io.mesh_check import check_cells
@@ -39,7 +41,7 @@ from .current_state import CurrentState
 from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
 from ..contact.names import named_apart
-from .in_time import contact_in_time, prescribed_motion
+from .in_time import contacts_in_time, prescribed_motion
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
 from .read_once import ReadOnce
@@ -52,10 +54,18 @@ from .time_stepper import TimeStepper
 from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
+    from ..contact.explicit.general import GeneralContact, GeneralOutput
     from ..contact.explicit.nodal import Kinematic, NodalPair
+    from ..contact.explicit.tied import ExplicitTie
+    from ..contact.mortar.tie import Tie
     from ..contact.penalty.penalty import Penalty
     from ..rolling.rolling_problem import RollingProblem
     from ..statics.static_problem import StaticProblem
+
+    ExplicitMethod = Penalty | Kinematic | Tie | GeneralContact
+
+
+SEEN = 1e-12  # part of the kinetic energy that is more than round-off
 
 
 class ExplicitProblem(TransientProblem):
@@ -74,7 +84,8 @@ class ExplicitProblem(TransientProblem):
             updates it and it is the attribute `velocity`; otherwise it is not changed [L/T].
         bcs: DirichletBC (values are constant), PrescribedMotion (function of time), or a list of them.
         loads: load, or a list of them; their `amplitude` is a function of time.
-        contact: contact, or a list of them: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair).
+        contact: contact, or a list of them: dolfinx_impact.Penalty(pair), dolfinx_impact.Kinematic(pair),
+            dolfinx_impact.GeneralContact(facet_tags).
         damping: Rayleigh(alpha, beta) or None.
         bulk_viscosity: factors (linear, quadratic), for example (0.06, 1.2), or None [1].
         scheme: "half_step" (seed 3.72-3.77) or "classical" (seed 3.68-3.71).
@@ -124,7 +135,7 @@ class ExplicitProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Penalty | Kinematic | Sequence[Penalty | Kinematic] = (),
+        contact: ExplicitMethod | Sequence[ExplicitMethod] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
@@ -143,6 +154,7 @@ class ExplicitProblem(TransientProblem):
             given = problem_arguments.problem(
                 u, material, residual, bcs, loads, contact, axisymmetric, explicit=True, tangent=tangent
             )
+            pairs = named_pairs(contact)
             check_velocity(velocity, u)
             own: Any = None
             if residual is not None:
@@ -193,13 +205,15 @@ class ExplicitProblem(TransientProblem):
         functions = FunctionsOfTime()
         dead = self._make_loads(functions)
         motions = [prescribed_motion(bc, functions) for bc in bcs]
-        self.contact: tuple[NodalPair, ...] = tuple([c._bind_explicit(self) for c in named_apart(contact)])
+        self.named_pairs = pairs
+        bound = [c._bind_explicit(self) for c in named_apart(contact)]
+        self.contact: tuple[NodalPair | ExplicitTie | GeneralOutput, ...] = tuple(bound)
         alpha, beta = self.damping.alpha, self.damping.beta
         uniform = _cpp.problems.UniformDamping(alpha, beta, self.bulk_viscosity[0])
         self._cpp_object = _cpp.problems.ExplicitProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
             bodies.body(uniform), motions, dead,
-            [contact_in_time(c, functions) for c in self.contact], getattr(_cpp.integrators.Scheme, scheme),
+            contacts_in_time(self.contact, functions), getattr(_cpp.integrators.Scheme, scheme),
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
         integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step
@@ -222,7 +236,20 @@ class ExplicitProblem(TransientProblem):
             integrator.release_limit = energy_gain.release_limit(V, stiffness_of_mass)
         self._restart = Restart(self, self._stepper)
         self._stepper.start()
+        self._tell_of_ties()
         _cpp.integrators.release_memory()
+
+    def _tell_of_ties(self) -> None:
+        """Log the energy of initial velocities that contradict ties, on rank 0."""
+        lost = float(self._cpp_object.lost_at_start)
+        kinetic = self.energy["kinetic"]
+        if lost > SEEN * kinetic and self.comm.rank == 0:
+            LOG.warning(
+                "the velocity at the start moves tied surfaces apart: what contradicts the ties was removed, and "
+                "%.3g of a kinetic energy of %.3g with it",
+                lost,
+                lost + kinetic,
+            )
 
     # --- set-up ----------------------------------------------------------------------------------------------------
 

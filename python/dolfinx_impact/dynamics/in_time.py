@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,7 +16,9 @@ from .functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
     from ..contact.explicit.nodal import NodalPair
+    from ..contact.explicit.tied import ExplicitTie
     from ..contact.mortar.lagrange import LagrangeContact
+    from ..contact.mortar.tie import TieContact
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
 
@@ -35,7 +38,7 @@ def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOf
     return _cpp.problems.PrescribedMotion(bc.bc._cpp_object, bc.amplitude.sample(np.zeros(1))[0])
 
 
-def contact_in_time(contact: NodalPair, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
+def contact_in_time(contact: NodalPair | ExplicitTie, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
     """A contact.
 
     Args:
@@ -49,11 +52,28 @@ def contact_in_time(contact: NodalPair, functions: FunctionsOfTime) -> _cpp.prob
     if contact.motion is not None:
         functions.add(contact.motion)
         start = contact.motion.sample(np.zeros(1))[0]
-    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start)
+    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.body)
+
+
+def contacts_in_time(contacts: Sequence[NodalPair], functions: FunctionsOfTime) -> list[_cpp.problems.ContactInTime]:
+    """All contacts of an explicit problem.
+
+    Args:
+        contacts: the contacts.
+        functions: receives the motions of rigid masters, then the loads on rigid bodies.
+
+    Returns:
+        The C++ objects.
+    """
+    out = [contact_in_time(contact, functions) for contact in contacts]
+    for body in dict.fromkeys(c.pair.rigid_body for c in contacts):
+        for load in [] if body is None else body.loads():
+            functions.add(load)
+    return out
 
 
 def implicit_contact(
-    contact: LagrangeContact | QuadraturePenalty, functions: FunctionsOfTime
+    contact: LagrangeContact | QuadraturePenalty | TieContact, functions: FunctionsOfTime
 ) -> _cpp.problems.ImplicitContact:
     """A contact of implicit steps.
 

@@ -9,6 +9,7 @@ from typing import Any
 from dolfinx import fem
 
 from ..assembly import problem_arguments
+from ..contact.mortar.tie import Tie, TieContact
 from ..contact.penalty.penalty import Penalty
 from ..statics.static_problem import StaticProblem
 from .started_problem import StartedProblem
@@ -22,7 +23,8 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
         given: further arguments of the explicit problem.
 
     Raises:
-        TypeError: `static` is no StaticProblem, an argument follows from it, or a contact is not by penalty.
+        TypeError: `static` is no StaticProblem, an argument follows from it, or a contact is neither by penalty nor a
+            tie.
         ValueError: the contacts are of other surfaces; a residual of one's own, whose density is not known.
     """
     if not isinstance(static, StaticProblem):
@@ -36,8 +38,11 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
     if len(contact) != len(static.contact):
         raise ValueError(f"the StaticProblem has {len(static.contact)} contacts, given are {len(contact)}")
     for k, (new, old) in enumerate(zip(contact, static.contact)):
-        if not isinstance(new, Penalty):
+        if isinstance(new, Tie) != isinstance(old, TieContact):
+            raise TypeError(f"contact {k}: a tie goes on as a tie, {type(old).__name__} does as {type(new).__name__}")
+        if not isinstance(new, (Penalty, Tie)):
             raise TypeError(f"contact {k}: from_static hands over to Penalty, found {type(new).__name__}")
+        new.pair.refuse_rigid_body("a run that begins with an equilibrium")
         pairs = [(p.slave, p.master) for p in (new.pair, old.pair)]
         if pairs[0] != pairs[1]:
             raise ValueError(f"contact {k} is between {pairs[0]}, that of the StaticProblem between {pairs[1]}")

@@ -108,9 +108,10 @@ class GivenArguments:
         """
         taken = [p for p in inspect.signature(type(thing).__init__).parameters if p != "self"]
         public = [key for key in vars(thing) if not key.startswith("_")]
-        for key in dict.fromkeys([*taken, *public]):
+        left_out = {*but, *NAMES}
+        for key in dict.fromkeys(k for k in [*taken, *public] if k not in left_out):
             stored = key if hasattr(thing, key) else STORED_AS.get(key, key)
-            if key not in (*but, *NAMES) and hasattr(thing, stored):
+            if hasattr(thing, stored):
                 self.add(f"{name}.{key}", getattr(thing, stored))
 
     def add_material(self, name: str, material: Material) -> None:
@@ -180,15 +181,24 @@ class GivenArguments:
         for key, value in sorted(options.items()):
             self.table[f"{name}.{key}"] = short(_text(value))
         of = f"{name}.pair"
+        if not hasattr(pair, "slave"):  # a surface that meets itself
+            tags = (
+                "all"
+                if pair.tags is None
+                else [f"{t}, {facets_with(self.mesh, pair.facet_tags, t)}" for t in pair.tags]
+            )
+            self.table[f"{of}.tags"], self.table[f"{of}.friction"] = short(str(tags)), _text(pair.friction)
+            return
         self.table[f"{of}.slave"] = f"{pair.slave}, {facets_with(self.mesh, pair.facet_tags, pair.slave)}"
         if pair.rigid:
             master = pair.master
             self.table[f"{of}.master"] = type(master).__name__
-            self.add_attributes(f"{of}.master", master, but=("motion", "shape", "hint", "numbers"))
+            self.add_attributes(f"{of}.master", master, but=("motion", "shape", "hint", "numbers", *master.given_once))
             self.table[f"{of}.master.shape"] = master.description() if places else master.shape_description()
             if places:
                 self.table[f"{of}.master.displacement"] = _text(master.displacement)
-                self.table[f"{of}.master.velocity"] = _text(master.velocity)
+                if "velocity" not in master.given_once:
+                    self.table[f"{of}.master.velocity"] = _text(master.velocity)
                 self.table[f"{of}.master.motion"] = "without" if master.motion is None else "with"
         else:
             found = [f"{tag}, {facets_with(self.mesh, pair.facet_tags, tag)}" for tag in pair.masters]

@@ -10,6 +10,7 @@ from dolfinx.mesh import Mesh
 
 from ..common import arguments
 from ..contact.mortar.lagrange import Lagrange
+from ..contact.mortar.tie import Tie
 from ..inelastic import InelasticMaterial
 from ..plasticity import J2Plasticity
 from .motions import Spin, Translation
@@ -28,7 +29,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
     Raises:
         TypeError: an argument is of the wrong type.
         ValueError: axisymmetric or massless materials, motions that do not fit, internal variables of bodies that
-            stand or have friction, tensors of a law of one's own in bodies that spin, or friction by penalty.
+            stand or have friction, tensors of a law of one's own in bodies that spin, or friction by penalty, ties.
     """
     arguments.tags("RollingProblem", cell_tags, mesh, mesh.topology.dim)
     if not isinstance(motions, dict):
@@ -47,6 +48,13 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
         m.mass_density(mesh)
         if isinstance(m, InelasticMaterial):
             _check_flowing(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
+    for c in contact:
+        if isinstance(c, Tie):
+            raise ValueError(
+                f"{c.pair.name} is a Tie: the bodies of a rolling problem flow through their meshes, and tied surfaces "
+                "would have to flow alike; mesh the two parts together"
+            )
+        c.pair.refuse_rigid_body("steady rolling")
     if any(c.pair.friction > 0.0 for c in contact):
         if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
             raise ValueError("friction together with internal variables that flow with the material comes later")

@@ -46,6 +46,7 @@ from .restart import Solves, StaticRestart
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+    from ..contact.mortar.tie import Tie, TieContact
     from ..contact.penalty.penalty import Penalty
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
@@ -61,7 +62,8 @@ class StaticProblem(BodyResults):
         residual: UFL residual of your own in u (rank 1): internal minus external forces.
         bcs: boundary condition, or a list of them.
         loads: load (dolfinx_impact.Traction, ...), or a list of them.
-        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair).
+        contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair),
+            dolfinx_impact.Tie(pair).
         options: PETSc options for KSP and SNES by name, without prefix. Default: LU by MUMPS, for large problems
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
@@ -100,6 +102,8 @@ class StaticProblem(BodyResults):
             that lock; or, after the first solve, options were not used.
     """
 
+    moves_rigid_bodies = True  # what RigidBody asks
+
     def __init__(
         self,
         u: fem.Function,
@@ -107,7 +111,7 @@ class StaticProblem(BodyResults):
         residual: ufl.Form | None = None,
         bcs: fem.DirichletBC | Sequence[fem.DirichletBC] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
+        contact: Lagrange | Penalty | Tie | Sequence[Lagrange | Penalty | Tie] = (),
         options: dict[str, Any] | None = None,
         prefix: str = "impact_static_",
         hypothesis: str | None = None,
@@ -151,7 +155,7 @@ class StaticProblem(BodyResults):
         for bc in self.bcs:
             self.fixed[bc.dof_indices()[0]] = True
         self.recorders: list[LoadStepRecorder] = []
-        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple(
+        self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
             [c._bind(self) for c in named_apart(contact)]
         )
         make_room(V)
@@ -164,6 +168,11 @@ class StaticProblem(BodyResults):
         for load in self.loads:
             for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
                 self._cpp_object.add_load(constant.value, reached)
+        for body in dict.fromkeys(c.pair.rigid_body for c in self.contact):
+            if body is not None:
+                bound = body.bind_static(self)
+                self._cpp_object.add_load(bound.force, bound.reached)
+                self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force)
         self.linear_solver: LinearSolver = LinearSolver.of(self.equilibrium.linear_solver)
         self._restart = StaticRestart(self)
 
@@ -372,5 +381,6 @@ class StaticProblem(BodyResults):
         return {
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
             "bcs": [arguments.value_of(bc) for bc in self.bcs],
+            "forces on rigid bodies": [c.pair.rigid_body.external_force for c in self.contact if c.pair.rigid_body],
             "displacement of the masters": [c.pair.rigid_master.displacement for c in self.contact if c.pair.rigid],
         }

@@ -14,6 +14,7 @@ from ..contact_bodies import SLAVE, two_bodies
 from .placed_bodies import (
     GAP,
     at_rest,
+    block_under_ball,
     block_under_cylinder,
     body_of,
     cylinder_motion,
@@ -256,6 +257,23 @@ def rigid(cell: str, degree: int, variation: RandomVariation | None = None) -> I
         )  # fmt: skip
 
 
+def rigid_ball(cell: str, degree: int, variation: RandomVariation | None = None) -> Iterator[Scenario]:
+    """A rigid ball that forces move falls on a block, with spin, weight and friction; in the plane a disc.
+
+    Args:
+        cell: cell.
+        degree: degree of the displacement, 1 or 2.
+        variation: not used.
+
+    Yields:
+        Runs.
+    """
+    body = block_under_ball(distorted_block.block(cell, 6 if cell in ("triangle", "quadrilateral") else 3), degree, 0.3)
+    for options in ({}, {"penalty": 2.0}):
+        name = f"block under a rigid ball{', given penalty' if options else ''}"
+        yield Scenario(name, body, at_rest, contact="penalty", options=options, fixed_nodes=nodes_at_bottom(body))
+
+
 def without_contact(cell: str, degree: int, variation: RandomVariation | None = None) -> Iterator[Scenario]:
     """A body without contact: schemes, damping, viscosity, loads and prescribed motion.
 
@@ -338,6 +356,8 @@ RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("quadrilateral", 1, coarse_slave),
     ("triangle", 2, coarse_slave),
     ("quadrilateral", 1, rigid),
+    ("quadrilateral", 1, rigid_ball),
+    ("hexahedron", 1, rigid_ball),
     ("quadrilateral", 1, without_contact),
     ("triangle", 2, without_contact),
     ("hexahedron", 1, without_contact),

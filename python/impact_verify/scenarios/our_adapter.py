@@ -57,7 +57,7 @@ def _contacts(case: Scenario) -> list[Any]:
     if not case.contact:
         return []
     body, motion = case.body, case.obstacle
-    if body.rigid:
+    if body.rigid and not isinstance(body.rigid[0], contact.RigidBody):
         body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
     if isinstance(case.scheme, Explicit):
         kind = contact.Penalty if case.contact == "penalty" else contact.Kinematic

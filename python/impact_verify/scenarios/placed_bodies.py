@@ -224,6 +224,29 @@ def block_under_cylinder(domain: Mesh, degree: int, friction: float) -> TwoBodie
     return body_of(domain, face_tags(domain, 1.0), degree, "plane_strain", friction=friction, rigid=cylinder)
 
 
+def block_under_ball(domain: Mesh, degree: int, friction: float) -> TwoBodies:
+    """A block under a rigid ball, in the plane a disc, that falls on it with spin and weight.
+
+    Args:
+        domain: mesh of the block.
+        degree: degree of the displacement, 1 or 2.
+        friction: coefficient [1].
+    """
+    dim, radius, mass = domain.geometry.dim, 0.8, 2.0
+    inertia = mass * radius**2 * (0.4 if dim == 3 else 0.5)
+    center = np.array([0.47, 0.44, 1.803] if dim == 3 else [0.47, 1.803])
+    velocity, force = np.zeros(dim), np.zeros(dim)
+    velocity[0], velocity[-1], force[-1] = 0.02, -0.04, -0.002
+    spin = np.array([0.02, -0.03, 0.01]) if dim == 3 else np.array([0.0, 0.0, -0.03])
+    round_body = contact.RigidSphere if dim == 3 else contact.RigidCylinder
+    ours = contact.RigidBody(
+        round_body(center, radius), mass=mass, inertia=inertia, velocity=velocity, spin=spin, force=force
+    )
+    ball: Any = ours, impact_reference.RigidBall(center, radius, mass, inertia, velocity, spin, force)
+    hypothesis = "3d" if dim == 3 else "plane_strain"
+    return body_of(domain, face_tags(domain, 1.0), degree, hypothesis, friction=friction, rigid=ball)
+
+
 def cylinder_motion(t: float) -> FloatArray:
     """Displacement of the cylinder, (2) [L].
 

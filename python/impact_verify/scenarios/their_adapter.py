@@ -62,11 +62,11 @@ def _run_explicit(case: Scenario, scheme: Explicit, dt: float, steps: int) -> Ex
     return body.model.run_explicit(
         dt, steps, v0=_initial_velocity(case), fixed_dofs=body.order[case.fixed_dofs], values=values,
         loads=_loads(case), alpha=case.damping[0], beta=case.damping[1], scheme=scheme.velocities,
-        viscosity=scheme.viscosity, contacts=_nodal_contacts(case),
+        viscosity=scheme.viscosity, contacts=_nodal_contacts(case, dt),
     )  # fmt: skip
 
 
-def _nodal_contacts(case: Scenario) -> list[Any]:
+def _nodal_contacts(case: Scenario, dt: float) -> list[Any]:
     if not case.contact:
         return []
     body = case.body
@@ -76,6 +76,9 @@ def _nodal_contacts(case: Scenario) -> list[Any]:
     if body.rigid:
         master: Any = body.rigid[1]
         options["motion"] = case.obstacle
+        if isinstance(master, impact_reference.RigidBall):
+            # Our springs without a given penalty are made for 0.9 of the stable step, or for longer ones that are made.
+            options["stiffness_step"] = dt * max(0.9 / case.step_fraction, 1.0)
     else:
         master = body.their_facets(body.tags, MASTER)
     if case.smooth is not None:

@@ -21,7 +21,7 @@ def square(y=0.0, tags=((3, 0.0), (4, 1.0))):
 
 def test_pairs_that_make_no_sense():
     _, tags = square()
-    with pytest.raises(ValueError, match="self-contact is not supported"):
+    with pytest.raises(ValueError, match="take GeneralContact, which knows self-contact"):
         di.ContactPair(tags, slave=3, master=3)
     with pytest.raises(ValueError, match="friction is -0.1"):
         di.ContactPair(tags, 3, 4, friction=-0.1)

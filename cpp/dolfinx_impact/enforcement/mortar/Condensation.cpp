@@ -51,7 +51,7 @@ void Condensation::add(const Constraints& p, std::int64_t first, operators::CooM
     const std::int64_t dof = std::int64_t(p.nodes[i]) * g;
     const double *frame = &p.frames[i * g * g], *over = &p.over[i * g * g], *tilt = &p.tilt[i * g];
     const std::int8_t* held = &p.constrained[i * g];
-    double normal[3], projector[3][3], tilted[3][3];
+    double normal[3];
     for (int a = 0; a < g; ++a)
     {
       normal[a] = frame[a * g + p.normal[i]];
@@ -60,14 +60,6 @@ void Condensation::add(const Constraints& p, std::int64_t first, operators::CooM
       for (int d = 0; d < g; ++d)
         known[dof + a] += held[d] ? frame[a * g + d] * p.known[i * g + d] : 0.0;
     }
-    for (int a = 0; a < g; ++a)
-      for (int b = 0; b < g; ++b)
-      {
-        projector[a][b] = 0.0;
-        for (int d = 0; d < g; ++d)
-          projector[a][b] += held[d] ? frame[a * g + d] * over[b * g + d] : 0.0;
-        tilted[a][b] = projector[a][b] + normal[a] * tilt[b];
-      }
     for (int d = 0; d < g; ++d)
     {
       // Test functions of a slipping node: tangential ones lean on the normal one, t - (t . tilt) n.
@@ -83,14 +75,20 @@ void Condensation::add(const Constraints& p, std::int64_t first, operators::CooM
           left.add(row, column, held[d] ? 0.0 : own - normal[a] * lean);
       }
     }
+    const bool one_for_all = p.values.size() == p.columns.size();
     for (std::int64_t k = p.pointers[i]; k < p.pointers[i + 1]; ++k)
       for (int a = 0; a < g; ++a)
         for (int b = 0; b < g; ++b)
         {
           const PetscInt row = PetscInt(first + dof + a), column = PetscInt(g * p.columns[k] + b);
-          right.add(row, column, projector[a][b] * p.values[k]);
+          const double value = one_for_all ? p.values[k] : 1.0;
+          const auto part = [&](int d) { return one_for_all ? 1.0 : p.part(k, d); };
+          double projected = 0.0;
+          for (int d = 0; d < g; ++d)
+            projected += held[d] ? frame[a * g + d] * over[b * g + d] * part(d) : 0.0;
+          right.add(row, column, projected * value);
           if (!_symmetric)
-            left.add(row, column, tilted[a][b] * p.values[k]);
+            left.add(row, column, (projected + normal[a] * tilt[b] * part(p.normal[i])) * value);
         }
   }
 }

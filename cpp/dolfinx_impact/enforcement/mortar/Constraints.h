@@ -25,8 +25,12 @@ struct Constraints
   std::vector<std::int32_t> normal;     ///< number of the normal direction
   std::vector<std::int64_t> pointers;   ///< rows of P = D^-1 M: of each node and the end
   std::vector<std::int64_t> columns;    ///< global nodes
-  std::vector<double> values;           ///< of P
+  std::vector<double> values;           ///< of P: one for all directions, or [k*gdim + d] for each of them
+  bool tied = false;                    ///< conditions of a tie: all of a node's directions come before contact's
 
+  /// P_jl along a direction.
+  /// @param[in] k place in `columns`
+  double part(std::int64_t k, int d) const { return values[values.size() == columns.size() ? k : k * gdim + d]; }
   std::size_t size() const { return nodes.size(); }
 };
 

@@ -8,17 +8,6 @@
 
 namespace dolfinx_impact::enforcement
 {
-namespace
-{
-FacetRule segment_rule(const surface::Facets& slave, const surface::Facets& master, std::optional<int> degree)
-{
-  // Exact where the facets are flat and their maps affine.
-  const bool flat = slave.displacement.shape != surface::FacetShape::quadrilateral && slave.geometry.degree == 1;
-  return FacetRule(slave.gdim == 2 ? surface::FacetShape::interval : surface::FacetShape::triangle,
-                   degree.value_or(2 * slave.displacement.degree + master.displacement.degree + (flat ? 2 : 4)));
-}
-} // namespace
-
 DeformableGeometry::DeformableGeometry(std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                                        surface::Facets master, const MortarOptions& options,
                                        std::vector<std::int8_t> prescribed)
@@ -28,7 +17,7 @@ DeformableGeometry::DeformableGeometry(std::shared_ptr<const surface::FunctionSp
   MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, comm());
   _any_fixed = any;
   _search = std::make_shared<search::PairSearch>(shared_space(), this->slave(), _master, options.search_distance);
-  const FacetRule rule = segment_rule(this->slave(), _master, options.quadrature_degree);
+  const FacetRule rule = FacetRule::of_segments(this->slave(), _master, options.quadrature_degree);
   for (auto& integrals : _integrals)
     integrals = std::make_unique<gap::MortarIntegrals>(shared_space(), _search, multiplier_nodes(), rule.view(),
                                                        options.basis, options.axisymmetric);

@@ -28,6 +28,13 @@ FacetRule::FacetRule(surface::FacetShape shape, int degree)
   weights = std::move(made[1]);
 }
 
+FacetRule FacetRule::of_segments(const surface::Facets& slave, const surface::Facets& master, std::optional<int> degree)
+{
+  const bool flat = slave.displacement.shape != surface::FacetShape::quadrilateral && slave.geometry.degree == 1;
+  return FacetRule(slave.gdim == 2 ? surface::FacetShape::interval : surface::FacetShape::triangle,
+                   degree.value_or(2 * slave.displacement.degree + master.displacement.degree + (flat ? 2 : 4)));
+}
+
 MortarGeometry::MortarGeometry(std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                                const MortarOptions& options, std::vector<std::int8_t> fixed)
     : _space(std::move(V)), _slave(std::move(slave)), _options(options), _prescribed(std::move(fixed)),

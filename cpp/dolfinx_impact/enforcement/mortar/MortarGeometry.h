@@ -237,6 +237,9 @@ private:
 struct FacetRule
 {
   FacetRule(surface::FacetShape shape, int degree);
+  /// The rule of the segments on which two surfaces meet.
+  /// @param[in] degree nothing: exact where the facets are flat and their maps affine
+  static FacetRule of_segments(const surface::Facets& slave, const surface::Facets& master, std::optional<int> degree);
   gap::SegmentRule view() const { return {points, weights}; }
   std::vector<double> points, weights;
 };

@@ -35,7 +35,7 @@ struct Condition
 {
   std::size_t contact, i;
   int d;
-  bool normal;
+  bool tied, normal; ///< of a tie; along the normal of a contact
   double known;
 };
 
@@ -119,7 +119,7 @@ void SaddlePoint::add(const Constraints& p, std::span<const std::int8_t> constra
                       Triplets& right, Triplets& left) const
 {
   const int g = _gdim;
-  const auto add_node = [&](std::size_t i, std::int64_t node, const double* directions, double factor)
+  const auto add_node = [&](std::size_t i, std::int64_t node, const double* directions, const auto& factor)
   {
     for (int a = 0; a < g; ++a)
       for (int d = 0; d < g; ++d)
@@ -128,15 +128,15 @@ void SaddlePoint::add(const Constraints& p, std::span<const std::int8_t> constra
           continue;
         const PetscInt row = _first_force + PetscInt(g * (start + p.rows[i]) + d), column = PetscInt(g * node + a);
         const double along = directions[a * g + d], lean = d == p.normal[i] ? p.tilt[i * g + a] : 0.0;
-        right.add(row, column, _diagonal * (factor * along));
-        left.add(row, column, _diagonal * (factor * (along + lean)));
+        right.add(row, column, _diagonal * (factor(d) * along));
+        left.add(row, column, _diagonal * (factor(d) * (along + lean)));
       }
   };
   for (std::size_t i = 0; i < p.size(); ++i)
-    add_node(i, _first_u / g + p.nodes[i], &p.frames[i * g * g], 1.0);
+    add_node(i, _first_u / g + p.nodes[i], &p.frames[i * g * g], [](int) { return 1.0; });
   for (std::size_t i = 0; i < p.size(); ++i)
     for (std::int64_t k = p.pointers[i]; k < p.pointers[i + 1]; ++k)
-      add_node(i, p.columns[k], &p.over[i * g * g], -p.values[k]);
+      add_node(i, p.columns[k], &p.over[i * g * g], [&](int d) { return -p.part(k, d); });
 }
 
 /// Masks of the conditions that do not follow from others of the same node; sets `redundant`.
@@ -157,11 +157,17 @@ std::vector<std::vector<std::int8_t>> SaddlePoint::independent(std::span<const C
     for (std::size_t i = 0; i < parts[c].size(); ++i)
       for (int d = 0; d < g && times[parts[c].nodes[i]] > 1; ++d)
         if (parts[c].constrained[i * g + d])
-          by_node[parts[c].nodes[i]].push_back({c, i, d, d == parts[c].normal[i], parts[c].known[i * g + d]});
+          by_node[parts[c].nodes[i]].push_back(
+              {c, i, d, parts[c].tied, !parts[c].tied && d == parts[c].normal[i], parts[c].known[i * g + d]});
   for (auto& [node, conditions] : by_node)
   {
-    std::stable_sort(conditions.begin(), conditions.end(), [](const Condition& a, const Condition& b)
-                     { return a.normal != b.normal ? a.normal : a.normal && a.known > b.known; });
+    std::stable_sort(conditions.begin(), conditions.end(),
+                     [](const Condition& a, const Condition& b)
+                     {
+                       if (a.tied != b.tied)
+                         return a.tied;
+                       return a.normal != b.normal ? a.normal : a.normal && a.known > b.known;
+                     });
     std::vector<SparseRow> basis;
     std::vector<std::array<double, 3>> normals; // orthonormal
     for (const Condition& one : conditions)
@@ -183,7 +189,7 @@ std::vector<std::vector<std::int8_t>> SaddlePoint::independent(std::span<const C
           value /= std::sqrt(left);
         normals.push_back(direction);
       }
-      if (!one.normal && left < 0.5) // along the surface, but held by other normals
+      if (!one.normal && !one.tied && left < 0.5) // along the surface, but held by other normals
       {
         out[one.contact][one.i * g + one.d] = 0;
         continue;
@@ -200,7 +206,7 @@ std::vector<std::vector<std::int8_t>> SaddlePoint::independent(std::span<const C
         enter(_first_u + std::int64_t(g) * node + a, p.frames[(one.i * g + a) * g + one.d]);
       for (std::int64_t k = p.pointers[one.i]; k < p.pointers[one.i + 1]; ++k)
         for (int a = 0; a < g; ++a)
-          enter(g * p.columns[k] + a, -p.values[k] * p.over[(one.i * g + a) * g + one.d]);
+          enter(g * p.columns[k] + a, -p.part(k, one.d) * p.over[(one.i * g + a) * g + one.d]);
       const double whole = product_of(row, row);
       for (const SparseRow& other : basis)
       {

@@ -18,8 +18,8 @@ namespace dolfinx_impact::enforcement
 /// both kinds are forces. Multipliers of any basis will do; the matrix is indefinite and needs a direct solver.
 ///
 /// Nodes that several contacts constrain have the conditions of all. Those that others imply, or that contradict them,
-/// are left out: the normals come first, the most closed before the others, then what sticks along directions that no
-/// normal of the node holds, in the order of the contacts.
+/// are left out: those of ties come first, then the normals, the most closed before the others, then what sticks along
+/// directions that no normal of the node holds, in the order of the contacts.
 ///
 /// A rank's unknowns are its displacements, then `gdim` forces for every node of its contacts. Those of directions that
 /// are not constrained are pinned at zero. Matrices keep their pattern from one linear problem to the next while it

@@ -142,7 +142,7 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
     double* motion = _motion.data() + q * D;
     relative_to_master<D>(q, du, motion);
     for (int c = 0; c < D; ++c)
-      motion[c] -= _rigid ? _obstacle_increment[c] : 0.0;
+      motion[c] -= _rigid ? _obstacle_motion.increment[c] : 0.0;
   }
   std::fill_n(_nodal_force.data(), _num_closed * D, 0.0);
 }
@@ -255,7 +255,7 @@ void KinematicContact::solve_release_forces(const PredictedStep& step, const Cor
     double way = 0.0, moves = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      way += 0.5 * n[c] * (before[c] - (_rigid ? _obstacle_before[c] : 0.0) + _motion[q * D + c]);
+      way += 0.5 * n[c] * (before[c] - (_rigid ? _obstacle_before.increment[c] : 0.0) + _motion[q * D + c]);
       moves += n[c] * n[c] * nodes.weight[closed.node] * inverse_mass[std::size_t(closed.node) * D + c];
     }
     reaction<D>(q, pushed);
@@ -389,7 +389,7 @@ void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double 
     for (int c = 0; c < D; ++c)
     {
       moved[c] += _motion[q * D + c];
-      before[c] -= _rigid ? _obstacle_before[c] : 0.0;
+      before[c] -= _rigid ? _obstacle_before.increment[c] : 0.0;
       _force[c] += f[c];
       _results.traction[i * D + c] = f[c] / area;
       _tangential[i * D + c] = f[c] - normal * n[c];
@@ -422,14 +422,13 @@ void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double 
     if (_results.status[i] == ContactStatus::open)
       std::fill_n(_results.slip.data() + i * D, D, 0.0);
   }
-  _obstacle_before = _obstacle_increment;
+  _obstacle_before = _obstacle_motion;
 }
 
-void KinematicContact::restore_obstacle(const std::array<double, 3>& displacement,
-                                        const std::array<double, 3>& increment)
+void KinematicContact::restore_obstacle(const gap::RigidMotion& motion)
 {
-  set_obstacle(displacement, increment);
-  _obstacle_before = increment;
+  set_obstacle(motion);
+  _obstacle_before = motion;
 }
 
 void KinematicContact::record(const CorrectedNodes& nodes, double h, double dt)

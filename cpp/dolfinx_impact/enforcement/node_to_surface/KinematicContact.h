@@ -60,7 +60,7 @@ public:
   std::span<const std::int32_t> nodes() const { return _contact_nodes; }
   void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
                       std::span<const double> mass) override;
-  void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
+  void restore_obstacle(const gap::RigidMotion& motion) override;
 
 private:
   /// A node that receives a contact force in this step; its shape functions are in `_phi`.
@@ -97,8 +97,8 @@ private:
   void record_all(const CorrectedNodes& nodes, double h, double dt);
 
   int _sweeps;
-  int _num_masters; ///< nodes of a master facet; 0 if the master is rigid
-  std::array<double, 3> _obstacle_before{};
+  int _num_masters;                     ///< nodes of a master facet; 0 if the master is rigid
+  gap::RigidMotion _obstacle_before;    ///< in the step before
   std::vector<double> _absorbed_energy; ///< by contact since the node closed, by slave node [F L]
   std::vector<double> _impulse;         ///< decaying sum of those of the normal forces, by slave node [F T]
   std::vector<Closed> _closed_now;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../gap/RigidMotion.h"
 #include "../../operators/Halo.h"
 #include "../../state/State.h"
 #include <array>
@@ -35,6 +36,7 @@ struct Passage
 {
   std::int32_t node = -1; ///< number in the space; -1: none
   double facets = 0.0;    ///< depth of the passage in facet diameters (docs/explicit/penalty.md) [1]
+  bool pressed = false;   ///< it was held back, but pressed through by a force (general contact)
 };
 
 /// Interface of a contact to the explicit integrator: candidates, nodes, energies. It is one direction of a pair: slave
@@ -63,13 +65,10 @@ public:
                               std::span<const double> mass) = 0;
   /// Largest size of a number that the position of a rigid master is computed from; zero: deformable [L].
   virtual double largest_position() const = 0;
-  /// Displacement and last increment of a rigid master; no effect on deformable masters [L].
-  virtual void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) = 0;
-  /// The same after a restart: the increment is that of the last step, which has been completed [L].
-  virtual void restore_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment)
-  {
-    set_obstacle(displacement, increment);
-  }
+  /// Place and last motion of a rigid master; no effect on deformable masters.
+  virtual void set_obstacle(const gap::RigidMotion& motion) = 0;
+  /// The same after a restart: the motion is that of the last step, which has been completed.
+  virtual void restore_obstacle(const gap::RigidMotion& motion) { set_obstacle(motion); }
   /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
   virtual double increment_used(const NodalState& state) const = 0;
 
@@ -104,6 +103,9 @@ public:
   virtual Passage passage() const = 0;
   /// Sum of the forces on this rank's slave nodes in the last step [F].
   virtual const std::array<double, 3>& force() const = 0;
+  /// First moment of these forces about the centre of a rigid master that rotates: the sum of f_a r_b, r from the
+  /// centre to the node, row by row; its antisymmetric part is the torque. Zero for other masters [F L].
+  virtual gap::Matrix3 force_moment() const { return {}; }
 
   /// What the next step starts from, values of its own: fields of this rank's slave nodes, its "energies" (in the order
   /// of ContactEnergy) and its "force" [F], as vectors of the rank.

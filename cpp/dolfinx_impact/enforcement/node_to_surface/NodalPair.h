@@ -29,6 +29,8 @@ public:
   ContactEnergy energy() const;
   /// Force on the slave of the pair in the last step, of this rank [F].
   std::array<double, 3> force() const;
+  /// First moment of the forces on the slave, see NodalContact::force_moment [F L].
+  gap::Matrix3 force_moment() const { return _directions.front()->force_moment(); }
   /// What the next step starts from, of each direction; the first one has the force of the pair, a second one none.
   std::vector<state::State> saved_states() const;
   /// Go on from what `saved_states` has returned, perhaps on other ranks.

@@ -29,6 +29,8 @@ public:
   const surface::Facets& master() const { return _mine.facets; }
   bool rigid() const { return _rigid; }
   double distance() const { return _distance; }
+  /// Slave and master may each move by half of this before the next search [L].
+  double room() const { return _room; }
   /// Slave nodes that this rank owns, ascending; X(): reference positions [L], areas(): nodal areas [L^2].
   std::span<const std::int32_t> nodes() const { return _nodes; }
   const std::vector<double>& X() const { return _undeformed; }

@@ -97,8 +97,15 @@ void NodeLaw::find_points(const NodalState& state)
     _found.push_back(point);
     const double* n = point.at.normal;
     double* motion = _motion.data() + p * D;
+    double increment[D] = {};
+    if (_rigid)
+    {
+      double x[D];
+      position(i, state.u.data(), x);
+      obstacle_increment(x, increment);
+    }
     for (int c = 0; c < D; ++c)
-      motion[c] = state.du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+      motion[c] = state.du[std::size_t(point.node) * D + c] - increment[c];
     for (int j = 0; j < point.num; ++j)
       for (int c = 0; c < D; ++c)
         motion[c] -= point.phi[j] * masters[point.corners[j]].du[c];
@@ -180,8 +187,8 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
     _results.slip[i * D + c] = _points.slip[p * D + c];
     _results.traction[i * D + c] = pressure * n[c] + shear[c];
     f[std::size_t(point.node) * D + c] += force[c];
-    _force[c] += force[c];
   }
+  add_to_sums(i, state.u.data(), force);
   Sum* sums = _master_force.data();
   for (int j = 0; j < point.num; ++j)
     for (int c = 0; c < D; ++c)
@@ -228,6 +235,7 @@ void NodeLaw::add_all(const NodalState& state, std::span<double> f)
 void NodeLaw::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
+  _force_moment.fill(0.0);
   _energy.stored = 0.0;
   if (!_rigid)
   {

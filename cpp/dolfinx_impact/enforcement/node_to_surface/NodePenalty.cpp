@@ -3,6 +3,7 @@
 #include "../../common/gather.h"
 #include "../friction.h"
 #include "MomentCorrection.h"
+#include "overlap.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -184,6 +185,8 @@ inline double NodePenalty::compliance(const ContactPoint& point) const
   const double per_area = _per_area[point.i];
   if (_penalty > 0.0)
     return per_area / (_share * _penalty);
+  // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
+  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * per_area / most : 0.0;
   double own = _slave_compliance[point.i], masters = 0.0;
   for_nodes(point.num,
             [&](int j)
@@ -193,26 +196,8 @@ inline double NodePenalty::compliance(const ContactPoint& point) const
               own += weight * master.compliance;
               masters += weight * master.area_compliance;
             });
-  return (own + masters * per_area) / _share;
+  return (own + body + masters * per_area) / _share;
 }
-
-namespace
-{
-/// Mean of max(-g, 0) over gaps from g - |r|/2 to g + |r|/2.
-double mean_overlap(double g, double r)
-{
-  const double half = 0.5 * std::abs(r);
-  return g >= half ? 0.0 : g <= -half ? -g : (half - g) * (half - g) / (4.0 * half);
-}
-
-/// Part of the way from gap g - r to g that lies below zero.
-double part_below(double g, double r)
-{
-  if (g < 0.0)
-    return r < 0.0 ? std::min(1.0, g / r) : 1.0;
-  return r > g ? 1.0 - g / r : 0.0;
-}
-} // namespace
 
 /// Opens the spring of a node that leaves through the surface. Half of the last force's work is done in this step.
 /// @param[in] motion increment of the node relative to the master [L]
@@ -245,9 +230,15 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
   const search::Projection& at = point.at;
   const double* n = at.normal;
   constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
-  double motion[D] = {}, r = 0.0, way_squared = 0.0;
+  double motion[D] = {}, r = 0.0, way_squared = 0.0, increment[D] = {};
+  if (_rigid)
+  {
+    double x[D];
+    position(i, state.u.data(), x);
+    obstacle_increment(x, increment);
+  }
   for (int c = 0; c < D; ++c)
-    motion[c] = state.du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+    motion[c] = state.du[std::size_t(point.node) * D + c] - increment[c];
   const search::MasterNode* masters = _tracker.masters();
   for_nodes(point.num,
             [&](int j)
@@ -318,9 +309,9 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
   for (int c = 0; c < D; ++c)
   {
     f[std::size_t(point.node) * D + c] += force[c];
-    _force[c] += force[c];
     _results.traction[i * D + c] = force[c] * per_area;
   }
+  add_to_sums(i, state.u.data(), force);
   Sum* sums = _master_force.data();
   for_nodes(point.num,
             [&](int j)
@@ -368,6 +359,7 @@ void NodePenalty::add_all(const NodalState& state, std::span<double> f)
 void NodePenalty::add_forces(const NodalState& state, std::span<double> f)
 {
   _force.fill(0.0);
+  _force_moment.fill(0.0);
   _energy.stored = 0.0;
   if (state.dt != _compliance_step)
     update_compliances(state.dt);

@@ -200,16 +200,50 @@ void NodeToSurface::assign_numbers(operators::Halo& halo, std::span<const std::i
   }
 }
 
-void NodeToSurface::set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment)
+void NodeToSurface::set_obstacle(const gap::RigidMotion& motion)
 {
-  _obstacle.displacement = displacement;
-  _obstacle_increment = increment;
+  _obstacle.displacement = motion.displacement;
+  _obstacle.rotates = motion.rotates;
+  _obstacle.rotation = motion.rotation;
+  _obstacle_motion = motion;
   if (!_rigid)
     return;
   double moved = 0.0;
-  for (double value : displacement)
+  for (double value : motion.displacement)
     moved = std::max(moved, std::abs(value));
   _obstacle_size = _undisplaced_size + moved;
+}
+
+void NodeToSurface::obstacle_increment(const double* x, double* increment) const
+{
+  const gap::RigidMotion& m = _obstacle_motion;
+  for (int c = 0; c < _gdim; ++c)
+  {
+    increment[c] = m.increment[c];
+    if (m.rotates)
+      for (int d = 0; d < _gdim; ++d)
+        increment[c] += m.turn[3 * c + d] * (x[d] - _obstacle.centre[d] - m.displacement[d]);
+  }
+}
+
+void NodeToSurface::position(std::size_t i, const double* u, double* x) const
+{
+  const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
+  for (int c = 0; c < _gdim; ++c)
+    x[c] = _candidates.X()[i * _gdim + c] + u[k + c];
+}
+
+void NodeToSurface::add_to_sums(std::size_t i, const double* u, const double* force)
+{
+  for (int c = 0; c < _gdim; ++c)
+    _force[c] += force[c];
+  if (!_rigid || !_obstacle_motion.rotates)
+    return;
+  double x[3];
+  position(i, u, x);
+  for (int c = 0; c < _gdim; ++c)
+    for (int d = 0; d < _gdim; ++d)
+      _force_moment[3 * c + d] += force[c] * (x[d] - _obstacle.centre[d] - _obstacle.displacement[d]);
 }
 
 state::State NodeToSurface::saved_state() const
@@ -297,7 +331,7 @@ double NodeToSurface::per_mass(double per_area, std::span<const double> mass) co
     slave.masses.push_back(mass[node]);
   const double own = largest(slave, 0.0);
   if (_rigid)
-    return per_area * own;
+    return per_area * (own + _mobility);
   for (std::size_t node = 0; node < _candidates.master_areas().size(); ++node)
     if (const double area = _candidates.master_areas()[node]; area > 0.0)
     {
@@ -315,9 +349,14 @@ double NodeToSurface::per_mass(double per_area, std::span<const double> mass) co
 search::Projection NodeToSurface::rigid_point(std::size_t i, const double* u, const double* du, double back) const
 {
   const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
-  double x[3];
-  for (int c = 0; c < _gdim; ++c)
-    x[c] = _candidates.X()[i * _gdim + c] + u[k + c] - (du ? back * (du[k + c] - _obstacle_increment[c]) : 0.0);
+  double x[3], increment[3] = {0.0, 0.0, 0.0};
+  position(i, u, x);
+  if (du)
+  {
+    obstacle_increment(x, increment);
+    for (int c = 0; c < _gdim; ++c)
+      x[c] = _candidates.X()[i * _gdim + c] + u[k + c] - back * (du[k + c] - increment[c]);
+  }
   const gap::RigidPoint p = gap::evaluate(_obstacle, std::span(x, _gdim));
   search::Projection out;
   out.status = search::ProjectionStatus::converged;
@@ -446,11 +485,18 @@ Projection NodeToSurface::point_before(std::size_t i, const double* u, const dou
   return adjusted(i, _rigid ? rigid_point(i, u, du, back) : _tracker.locate_before(i, u, du, back));
 }
 
-void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const double* du, double* motion) const
+void NodeToSurface::relative_motion(std::size_t i, const Projection& at, const double* u, const double* du,
+                                    double* motion) const
 {
   const std::size_t node = _candidates.numbers()[i];
+  double x[3], increment[3] = {0.0, 0.0, 0.0};
+  if (_rigid)
+  {
+    position(i, u, x);
+    obstacle_increment(x, increment);
+  }
   for (int c = 0; c < _gdim; ++c)
-    motion[c] = du[node * _gdim + c] - (_rigid ? _obstacle_increment[c] : 0.0);
+    motion[c] = du[node * _gdim + c] - increment[c];
   if (_rigid)
     return;
   const surface::Facets& master = _tracker.master();
@@ -470,14 +516,14 @@ bool NodeToSurface::passes_through(ContactPoint& point, const double* u, const d
   const auto length = [&] { return std::sqrt(std::inner_product(motion, motion + _gdim, motion, 0.0)); };
   if (_rigid)
   {
-    relative_motion(i, point.at, du, motion);
+    relative_motion(i, point.at, u, du, motion);
     if (!(length() > 0.5 * smallest))
       return false;
   }
   const Projection before = point_before(i, u, du, 1.0);
   if ((open && !(before.gap > 0.0)) || !std::isfinite(before.gap))
     return false;
-  relative_motion(i, before, du, motion);
+  relative_motion(i, before, u, du, motion);
   const double way = length();
   if (!(way > 0.5 * smallest))
     return false;

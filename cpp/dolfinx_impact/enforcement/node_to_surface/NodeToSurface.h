@@ -54,7 +54,11 @@ public:
   Passage passage() const override { return _passage; }
   const std::array<double, 3>& force() const override { return _force; }
   double largest_position() const override { return _obstacle_size; }
-  void set_obstacle(const std::array<double, 3>& displacement, const std::array<double, 3>& increment) override;
+  gap::Matrix3 force_moment() const override { return _force_moment; }
+  void set_obstacle(const gap::RigidMotion& motion) override;
+  /// The master is a rigid body: area of the slaves of all its contacts times an upper bound of what a unit force at a
+  /// contact point accelerates it by, at any contact point; zero: it moves as prescribed [L^2/M].
+  void set_mobility(double mobility) { _mobility = mobility; }
 
   const NodeCandidates& candidates() const { return _candidates; }
   const NodeToSurfaceOptions& options() const { return _options; }
@@ -123,6 +127,14 @@ protected:
   bool find_contact(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
                     ContactPoint& point);
   void open(std::size_t i, const search::Projection& at, const double* u);
+  /// How the rigid master has moved in the last step at a place.
+  /// @param[in] x the place, (gdim) [L]
+  /// @param[out] increment (gdim) [L]
+  void obstacle_increment(const double* x, double* increment) const;
+  /// Place of node i, (gdim) [L].
+  void position(std::size_t i, const double* u, double* x) const;
+  /// Add a force on node i to the sums of forces and of their moments.
+  void add_to_sums(std::size_t i, const double* u, const double* force);
   /// Projection of node i on the rigid master in the configuration u - back*du.
   search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
   /// Upper bound of what forces per motion and area, at slave nodes wherever they meet the master, are over the masses
@@ -138,7 +150,8 @@ protected:
   int _gdim;
   bool _rigid;
   gap::Rigid _obstacle;
-  std::array<double, 3> _obstacle_increment{};
+  gap::RigidMotion _obstacle_motion;
+  double _mobility = 0.0;
   NodeCandidates _candidates;
   search::NodeTracker _tracker;
   operators::Halo* _halo = nullptr;
@@ -150,6 +163,7 @@ protected:
   std::vector<std::int8_t> _closed;
   ContactEnergy _energy;
   std::array<double, 3> _force{};
+  gap::Matrix3 _force_moment{};
   Passage _passage;
 
 private:
@@ -161,7 +175,8 @@ private:
   /// Projection in the configuration u - back*du.
   search::Projection point_before(std::size_t i, const double* u, const double* du, double back) const;
   /// Increment of the step relative to the master at the projection.
-  void relative_motion(std::size_t i, const search::Projection& at, const double* du, double* motion) const;
+  void relative_motion(std::size_t i, const search::Projection& at, const double* u, const double* du,
+                       double* motion) const;
   /// Follow an open node along its path in the step.
   /// @returns true if it passed through more than one facet diameter of the master: too far to be pushed back
   bool passes_through(ContactPoint& point, const double* u, const double* du);

@@ -22,4 +22,10 @@ typedef std::function<std::vector<double>(std::span<const std::int8_t>)> Frequen
 NodalCompliances nodal_compliances(const surface::FunctionSpace& V, const NodeToSurface& contact,
                                    std::optional<std::span<const double>> moduli,
                                    const FrequencyStiffness& frequency_stiffness);
+
+/// The same of one surface that meets itself or others of its kind. Collective.
+/// @returns by node that this rank owns; zero at nodes of other places, and where the bodies have no stiffness [L/F]
+std::vector<double> nodal_compliances(const surface::FunctionSpace& V, const surface::Facets& facets,
+                                      std::optional<std::span<const double>> moduli,
+                                      const FrequencyStiffness& frequency_stiffness);
 } // namespace dolfinx_impact::enforcement

@@ -4,6 +4,7 @@
 #include "../../common/dolfinx_api.h"
 #include "../../common/text.h"
 #include "../../operators/petsc_check.h"
+#include "tied_rates.h"
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -136,6 +137,11 @@ void ImplicitStepper::start(std::optional<double> step)
   for (std::size_t i = 0; i < n; ++i)
     if (_equations->fixed[i])
       _motion.velocity[i] = values.velocity[i];
+  std::vector<enforcement::Tie*> ties;
+  for (const auto& contact : _equations->contacts)
+    if (auto* const tie = dynamic_cast<enforcement::Tie*>(contact.get()))
+      ties.push_back(tie);
+  _motion.velocity = tied_rates(_body->inertia(), ties, _equations->fixed, _motion.velocity).rates;
   std::vector<double> rest = body_residual(values.factors);
   const std::vector<double> damping = _body->damping_forces(_motion);
   for (std::size_t i = 0; i < n; ++i)
@@ -147,7 +153,11 @@ void ImplicitStepper::start(std::optional<double> step)
       for (std::size_t i = 0; i < n; ++i)
         rest[i] += pressed[i];
     }
-  _motion.acceleration = _body->inertia().accelerations(rest, _equations->fixed, values.acceleration);
+  TiedRates tied = tied_rates(_body->inertia(), ties, _equations->fixed,
+                              _body->inertia().accelerations(rest, _equations->fixed, values.acceleration));
+  for (std::size_t k = 0; k < ties.size(); ++k)
+    ties[k]->assign(tied.multipliers[k]);
+  _motion.acceleration = std::move(tied.rates);
   _motion.mean = _motion.acceleration;
   show_motion();
   _places = values.places;

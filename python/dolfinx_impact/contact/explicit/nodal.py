@@ -74,7 +74,9 @@ class NodalPair(ContactOutput):
             half [F/L^2].
         traction: contact traction on the slave, (n, gdim), likewise [F/L^2].
         stiffness: contact stiffness of the nodes, (n) [F/L].
-        motion: displacement of a rigid master as a function of time; None for deformable masters [L].
+        motion: displacement of a rigid master as a function of time; None for deformable masters, and for rigid
+            bodies, which move by forces [L].
+        body: rigid body on the C++ side; None: the master is none.
         stored: energy stored in the springs, of all ranks; zero in kinematic contact [F L].
         penetration_share: energy in the springs over that in all springs and in the deformation of the bodies: how much
             of the deformation is penetration. Zero in kinematic contact; not a number in problems of a residual of
@@ -98,6 +100,7 @@ class NodalPair(ContactOutput):
     force: FloatArray
     moment: FloatArray
     motion: Amplitude | None
+    body: _cpp.problems.RigidBodyInTime | None
     stored = penetration_share = 0.0
     _known: dict[str, FloatArray] | None = None  # gaps and normals of the last step, after they have been evaluated
 
@@ -114,6 +117,8 @@ class NodalPair(ContactOutput):
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         if pair.rigid and options.get("balanced"):
             raise ValueError(f"{pair.name}: contact with a rigid master has one direction, it cannot be balanced")
+        if cpp_class is _cpp.nodal.KinematicContact:
+            pair.refuse_rigid_body("kinematic contact")
         slave, master = pair.surfaces(V)
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if master is None else None
         if self.obstacle is not None:
@@ -135,7 +140,8 @@ class NodalPair(ContactOutput):
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
         self._X = self._sides[0].X.reshape(-1, self.gdim)
         self.motion = None
-        if pair.rigid:
+        self.body = None if pair.rigid_body is None else pair.rigid_body.bind(problem)
+        if pair.rigid and self.body is None:
             place, motion = pair.rigid_master.displacement, pair.rigid_master.motion
             moving = Amplitude(motion, f"motion of the rigid master of {pair.name}", size=3)
             self.motion = Amplitude(lambda t: place + moving.sample([t])[0], moving.name, size=3)

@@ -83,6 +83,7 @@ class LagrangeContact(StaticContactView):
         self.pair, self.comm, self.problem = spec.pair, problem.space.mesh.comm, problem
         self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
         pair, gdim = self.pair, problem.space.mesh.geometry.dim
+        pair.refuse_rigid_body("this problem", problem)
         slave, facets = pair.surfaces(problem.space)
         master = facets or pair.rigid_master.shared(gdim)
         options = _cpp.multipliers.MortarOptions(

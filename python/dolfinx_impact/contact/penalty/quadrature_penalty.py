@@ -34,6 +34,7 @@ class QuadraturePenalty(StaticContactView):
     def __init__(self, pair: ContactPair, problem: StaticContactProblem, **options: Any) -> None:
         self.pair, self.problem, self.options, V = pair, problem, options, problem.space
         self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
+        pair.refuse_rigid_body("this problem", problem)
         self.slave, self.master = pair.surfaces(V)
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if self.master is None else None
         if self.obstacle is not None:

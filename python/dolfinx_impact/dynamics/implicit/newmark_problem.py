@@ -31,6 +31,7 @@ from ...common.collective import agree, attempt, comm_of, guard
 from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
 from ...common.unique import claim
+from ...contact.mortar.tie import Tie, TieContact
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
 from ...foundation import dashpot_form, foundations
@@ -153,7 +154,7 @@ class NewmarkProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Lagrange | Penalty | Sequence[Lagrange | Penalty] = (),
+        contact: Lagrange | Penalty | Tie | Sequence[Lagrange | Penalty | Tie] = (),
         beta: float | None = None,
         gamma: float | None = None,
         rho_inf: float | None = None,
@@ -241,7 +242,7 @@ class NewmarkProblem(TransientProblem):
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for bc in bcs:
             self.fixed[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
-        pairs = [c.pair for c in contact]
+        pairs = [c.pair for c in contact if not isinstance(c, Tie)]  # tied surfaces do not strike each other
         surface = MassRedistribution(V, pairs) if pairs and impact == "mass_redistribution" else None
         owned = self.fixed[: self.num_owned]
         self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, owned, added_masses(loads))
@@ -253,7 +254,7 @@ class NewmarkProblem(TransientProblem):
         damping_force = self._damping_force(resisting, bodies)
         loaded = load_forms(u, bodies, [load for load in self.loads if load not in springs])
         work = loaded.work()
-        self.contact: tuple[LagrangeContact | QuadraturePenalty, ...] = tuple(
+        self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
             [c._bind(self) for c in named_apart(contact)]
         )
         read = [form for form in (residual, work) if form is not None]

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "../../search/general/FacetLoops.h"
+#include "../../search/general/closest_on_loop.h"
+#include "../ContactStatus.h"
+#include "../node_to_surface/NodalContact.h"
+#include "../node_to_surface/NodeCandidates.h"
+#include "PairSpring.h"
+#include <array>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace dolfinx_impact::enforcement
+{
+struct GeneralContactOptions
+{
+  double friction = 0.0; ///< coefficient [1]
+};
+
+/// Two surfaces that another contact pushes apart: general contact leaves them alone.
+struct NamedPair
+{
+  surface::Facets slave, master;
+};
+
+/// Results of the last step at the surface nodes that this rank owns. Vectors: [i*gdim + c].
+struct GeneralResults
+{
+  std::vector<ContactStatus> status; ///< of the node's own spring
+  std::vector<double> gap;           ///< of the node's own spring; infinite while it is open [L]
+  std::vector<double> slip;          ///< accumulated since the node's own spring closed [L]
+};
+
+/// Explicit contact of all facets of a surface with each other, by penalty; docs/explicit/general_contact.md. No side
+/// is a master: each surface node has a spring to the facet that it has come through, and each two sharp edges that
+/// have crossed have one between the points where they cross.
+class GeneralContact : public NodalContact, public SpringForces
+{
+public:
+  /// Collective.
+  /// @param[in] V displacement space of degree 1
+  /// @param[in] facets this rank's facets of the surface (make_surface), straight ones
+  /// @param[in] named pairs of surfaces that are left to others
+  /// @throws std::invalid_argument on all ranks for options out of range, facets that are not straight, too many pairs
+  GeneralContact(const surface::FunctionSpace& V, const surface::Facets& facets,
+                 const GeneralContactOptions& options = {}, std::span<const NamedPair> named = {});
+
+  void search(std::span<const double> u, std::span<const double> du) override;
+  std::span<const std::int64_t> remote_nodes() const override { return _candidates.remote_nodes(); }
+  std::span<const int> remote_owners() const override { return _candidates.remote_owners(); }
+  std::span<const std::int32_t> required_nodes(operators::Halo& all) override;
+  void assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,
+                      std::span<const double> mass) override;
+  double largest_position() const override { return 0.0; }
+  void set_obstacle(const gap::RigidMotion&) override {}
+  double increment_used(const NodalState& state) const override { return _candidates.increment_used(state); }
+  void forget_search() override { _candidates.forget(); }
+  void update_gaps(std::span<const double>) override {}
+  void add_forces(const NodalState& state, std::span<double> f) override;
+  ContactEnergy energy() const override { return _energy; }
+  Passage passage() const override { return _passage; }
+  /// Zero: all forces act between nodes of the surface.
+  const std::array<double, 3>& force() const override { return _no_force; }
+  state::State saved_state() const override;
+  void resume(const state::State& saved) override;
+  void reset() override;
+
+  const NodeCandidates& candidates() const { return _candidates; }
+  const surface::Facets& facets() const { return _candidates.slave(); }
+  const GeneralResults& results() const { return _results; }
+  /// Compliances that the bodies offer to springs at the nodes that this rank owns (nodal_compliances), zero: unknown.
+  /// @throws std::invalid_argument for another number of nodes, negative or infinite values
+  void set_nodal_compliances(std::vector<double> compliances);
+  bool lacks_compliances() const { return _known.empty(); }
+  /// Forces of the last step on the surface nodes that this rank owns, as node of a spring, as corner of a facet and as
+  /// end of an edge, [i*gdim + c]. Collective [F].
+  std::vector<double> nodal_forces() const;
+  /// Mean outward normals of the surface at the nodes that this rank owns, at the last step, unit, [i*gdim + c] [1].
+  std::vector<double> normals() const;
+  /// Number of nodes and edges of this rank that were met for the first time deep inside another body.
+  std::int64_t implausible() const { return _num_implausible; }
+  /// Number of springs of this rank: of nodes, and of crossed edges.
+  std::pair<std::int64_t, std::int64_t> num_springs() const;
+  /// Deepest penetration of this rank's springs in the last step, zero without any [L].
+  double deepest() const { return _deepest; }
+  /// What the present lists hold on this rank: pairs of nodes and facets, pairs of edges.
+  std::pair<std::int64_t, std::int64_t> num_candidates() const
+  {
+    return {std::int64_t(_list.size()), std::int64_t(_edge_pairs.size())};
+  }
+
+private:
+  /// Spring of two edges, and where its last force acts.
+  struct EdgeSpring
+  {
+    PairSpring spring;
+    double weights[4] = {}; ///< of the ends in the last step, while it is closed; zero: not known
+    double turn[12] = {};   ///< moment correction of the last force at the ends [F]
+  };
+  /// Two edges near each other; `first` has the smaller id.
+  struct EdgePair : EdgeSpring
+  {
+    std::int32_t first = -1, second = -1;
+    double next = 0.0; ///< motion from which they have to be looked at again [L]
+  };
+  struct Touch;
+  /// Where the force of the last step on a node acts.
+  struct LastTouch
+  {
+    std::int64_t facet = -1;        ///< id; -1: not known
+    std::int32_t corners[4] = {-1}; ///< numbers; -1: not known
+    double weights[4] = {};
+    double turn[12] = {}; ///< moment correction at the corners [F]
+  };
+  typedef std::pair<std::int64_t, std::int64_t> EdgeKey;
+
+  template <int D>
+  void corners_at(std::size_t f, const double* x, const double* minus, double (&out)[4][D]) const;
+  template <int D>
+  bool faces(std::int32_t node, const double* normal) const;
+  template <int D>
+  bool behind_neighbours(std::size_t f, const double* x, const search::loop::Closest<D>& at) const;
+  template <int D>
+  bool find(std::size_t i, const NodalState& state, Touch& touch);
+  template <int D>
+  void add_node(std::size_t i, const NodalState& state);
+  void add_edges(EdgePair& pair, const NodalState& state);
+  template <int D>
+  void add_all(const NodalState& state, std::span<double> f);
+  void update_positions(const NodalState& state);
+  void update_compliances(double dt);
+  template <int D>
+  void list_facets(const std::vector<double>& x);
+  void list_edges(const std::vector<double>& x);
+  template <int D>
+  void add_normals(std::vector<double>& out) const;
+  void keep_edges();
+  bool named(std::int32_t node, std::size_t facet) const;
+  std::size_t num_nodes() const { return _springs.size(); }
+
+  GeneralContactOptions _options;
+  int _gdim;
+  std::size_t _num_named;
+  NodeCandidates _candidates;
+  std::vector<double> _known;                       ///< compliances of owned nodes of the space [L/F]
+  std::vector<double> _thickness, _groups, _bodies; ///< of owned nodes of the space
+  std::vector<double> _shared;                      ///< the same over the nodes of the Halo of `required_nodes`
+  std::vector<std::int32_t> _needed;
+  surface::Facets _found; ///< candidate facets, numbered by the Halo of `required_nodes`
+  operators::Halo* _halo = nullptr;
+
+  // By number.
+  std::vector<double> _X, _x, _forces;               ///< [node*gdim + c]
+  std::vector<double> _inverse_mass, _area, _height; ///< [1/M], [L^2], [L]
+  std::vector<double> _surface_compliance;           ///< known one, then that of the present step [L/F]
+  std::vector<double> _compliance;
+  std::vector<std::int64_t> _group;
+  std::vector<std::int32_t> _body;
+  double _compliance_step = 0.0;
+
+  search::FacetLoops _loops;
+  std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
+  std::vector<double> _next;                ///< by node, as in EdgePair
+  std::vector<EdgePair> _edge_pairs;
+  std::map<EdgeKey, EdgeSpring> _kept_edges;    ///< histories until edges are listed again
+  std::map<EdgeKey, std::int32_t> _kept_owners; ///< of those that `resume` brought: position among the nodes
+  double _moved = 0.0;                          ///< sum of the largest increments since the lists were made [L]
+  double _largest_step = 0.0;                   ///< largest increment of a node in this step [L]
+
+  std::vector<PairSpring> _springs; ///< by node
+  std::vector<LastTouch> _last;     ///< by node
+  bool _first = true;               ///< no forces were computed yet
+  GeneralResults _results;
+  ContactEnergy _energy;
+  Passage _passage;
+  double _deepest = 0.0;
+  std::int64_t _num_implausible = 0;
+  std::array<double, 3> _no_force{};
+};
+} // namespace dolfinx_impact::enforcement

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: MIT
+"""Contact that finds itself, on the ranks of COMM_WORLD: what one rank gives, others give to round-off."""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from flying_bodies import Flying, box, rotation
+from mpi4py import MPI
+
+import dolfinx_impact as di
+
+COMM = MPI.COMM_WORLD
+
+
+def stack(comm=COMM):
+    """Turned blocks that fall on each other: nodes on facets and crossed edges."""
+    bodies = []
+    for k in range(4):
+        low = np.array([0.07 * (-1) ** k, 0.0, 1.02 * k])
+        turn = rotation((0, 0, 1), 0.3 * k)
+        bodies.append(((2, 2, 2), box(low, low + 1.0, turn), (0.1 * k, 0.0, -0.3 * k)))
+    return Flying(bodies, "tetrahedron", comm=comm)
+
+
+def plate(comm=COMM):
+    """A plate one cell thick, hit from both sides."""
+    return Flying(
+        [
+            ((20, 1), box((-1.0, -0.03), (1.0, 0.03)), (0.0, 0.0)),
+            ((4, 4), box((-0.2, 0.04), (0.2, 0.44)), (0.2, -1.0)),
+            ((4, 4), box((-0.15, -0.44), (0.25, -0.04)), (0.0, 1.0)),
+        ],
+        "quadrilateral",
+        comm=comm,
+    )
+
+
+def _same(make, until):
+    """A run on all ranks and the same one on each rank alone: centres, momenta, energies."""
+    results = []
+    for comm in (COMM, MPI.COMM_SELF):
+        bodies = make(comm)
+        problem = bodies.problem(friction=0.3)
+        problem.advance(until=until, progress=False)
+        centres = [bodies.centre(problem, b) for b in range(int(comm.allreduce(bodies.body.max(), MPI.MAX)) + 1)]
+        energies = [problem.energy[name] for name in ("kinetic", "internal", "contact", "friction", "impact")]
+        results.append(np.concatenate([*centres, energies]))
+        assert problem.energy["friction"] > 1e-5  # they have touched
+    # Sums in another order, and what a hundred steps make of it.
+    np.testing.assert_allclose(results[0], results[1], rtol=0.0, atol=1e-11 * np.abs(results[1]).max())
+
+
+def check_blocks_and_edges_on_ranks():
+    _same(stack, 0.3)
+
+
+def check_both_sides_of_a_plate_on_ranks():
+    _same(plate, 0.15)
+
+
+def check_momentum_on_ranks():
+    bodies = stack()
+    problem = bodies.problem(friction=0.3)
+    before = bodies.momentum(problem), bodies.angular_momentum(problem)
+    problem.advance(until=0.3, progress=False)
+    after = bodies.momentum(problem), bodies.angular_momentum(problem)
+    for a, b in zip(before, after):
+        np.testing.assert_allclose(a, b, rtol=0.0, atol=1e-13 * np.abs(before[1]).max())
+
+
+def check_restart_in_contact():
+    """A run that is saved while springs of nodes and edges are closed, and one that goes on from the file."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = COMM.bcast(str(Path(folder) / "state.h5"), 0)
+        problem = stack().problem(friction=0.3)
+        problem.advance(until=0.25, progress=False)
+        contact = problem.contact[0]
+        nodes, edges = contact.num_springs
+        assert nodes > 0 and edges > 0
+        problem.save(path)
+        kept = {name: getattr(contact, name).copy() for name in ("traction", "pressure", "status", "slip", "points")}
+        problem.advance(until=0.4, progress=False)
+        other = stack().problem(friction=0.3)
+        other.restore(path)
+        for name, values in kept.items():
+            np.testing.assert_array_equal(getattr(other.contact[0], name), values, err_msg=name)
+        other.advance(until=0.4, progress=False)
+        np.testing.assert_array_equal(other.u.x.array, problem.u.x.array)
+        assert other.energy == problem.energy
+        COMM.barrier()
+
+
+def check_force_on_tags():
+    """Forces on the two bodies are opposite, and are the rates of their momenta."""
+    bodies = Flying(
+        [((3, 3), box((0.0, 0.0), (1.0, 1.0)), (0.0, 0.0)), ((2, 2), box((0.2, 1.001), (1.2, 2.001)), (0.0, -1.0))],
+        "triangle",
+    )
+    problem = bodies.problem()
+    problem.advance(until=0.03, progress=False)
+    contact = problem.contact[0]
+    first, second = contact.force_on(1), contact.force_on(2)
+    np.testing.assert_allclose(first, -second, rtol=0.0, atol=1e-12 * np.abs(first).max())
+    assert first[1] < 0.0
+    np.testing.assert_allclose(contact.force, 0.0, atol=1e-12 * np.abs(first).max())
+    before = bodies.momentum(problem, 1), problem.time
+    problem.advance(until=problem.time + problem.stable_step() * 0.5, progress=False)
+    rate = (bodies.momentum(problem, 1) - before[0]) / (problem.time - before[1])
+    # Nothing else acts on the body; the force changes within the half step by some of the spring's forces.
+    np.testing.assert_allclose(rate, second, rtol=0.3, atol=0.05 * np.abs(second).max())
+
+
+def check_refusals_on_all_ranks():
+    bodies = plate()
+    for given, error, text in (
+        (dict(tags=[]), ValueError, "tags is empty"),
+        (dict(tags=[1, 1]), ValueError, "twice"),
+        (dict(tags="all"), TypeError, "a tag must be an integer"),
+        (dict(friction=-0.1), ValueError, "friction is -0.1"),
+    ):
+        try:
+            di.GeneralContact(bodies.tags, **given)
+        except error as e:
+            assert text in str(e), e
+        else:
+            raise AssertionError(f"{given} was not refused")
+    try:
+        bodies.problem(contact=[di.GeneralContact(bodies.tags, tags=9)])
+    except ValueError as e:
+        assert "no facet carries the tag 9" in str(e)
+    else:
+        raise AssertionError("a tag without facets was not refused")
