@@ -160,7 +160,7 @@ class TwoBodies(matched_body.Body):
     ) -> None:
         super().__init__(domain, degree, material, **options)
         self.tags, self.friction, self.rigid, self.prescribed = tags, friction, rigid, prescribed
-        self.adjustment: dict[str, float] = {}
+        self.adjustment: dict[str, Any] = {}
         self.u = fem.Function(self.V, name="u")
         self.facet = facet_of(self.cell)
         self.segment = "triangle" if self.gdim == 3 else "interval"

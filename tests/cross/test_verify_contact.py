@@ -129,7 +129,7 @@ def test_values_at_points_that_are_wrong(name, form, change, monkeypatch):
     scaled_property(monkeypatch, QuadraturePenalty, name, change)
     # Friction counts from where a point closes: gaps of the history decide forces as well.
     rows = failed(patches(), [form], ["mortar_D"] + ["penalty_force"] * (name != "gap"))
-    assert "deformable master" in {r.name for r in rows}
+    assert "deformable master" in {r.name.split(",")[0] for r in rows}
 
 
 def test_a_point_without_master_that_is_closed(monkeypatch):
@@ -142,7 +142,12 @@ def test_forces_of_the_penalty(factor, monkeypatch, contacts_in_python):
     right = QuadraturePenalty.contact_forces
     monkeypatch.setattr(QuadraturePenalty, "contact_forces", lambda self: factor * right(self))
     rows = failed(patches(), ["penalty_force"], ["penalty_tangent", "gap"])
-    assert {r.name for r in rows} == {"deformable master", "rigid plane", "rigid sphere", "rigid cylinder"}
+    assert {r.name.split(",")[0] for r in rows} == {
+        "deformable master",
+        "rigid plane",
+        "rigid sphere",
+        "rigid cylinder",
+    }
     assert all("UFL" in r.note for r in rows)
 
 
@@ -157,7 +162,7 @@ def test_a_radius_off_by_ten_to_the_minus_eight(monkeypatch):
 
     monkeypatch.setattr(contact, "obstacles", wrong)
     rows = failed(patches(), ["gap", "pressure", "mortar_gap"], ["mortar_D", "point_area"])
-    assert {r.name for r in rows} == {"rigid sphere", "rigid cylinder"}
+    assert {r.name.split(",")[0] for r in rows} == {"rigid sphere", "rigid cylinder"}
 
 
 def test_friction_with_another_coefficient(monkeypatch):
@@ -198,7 +203,7 @@ def test_slip_that_open_points_keep(monkeypatch, contacts_in_python):
 def test_values_at_nodes_that_are_wrong(name, change, forms, monkeypatch):
     changed(monkeypatch, _cpp.multipliers.DeformableGeometry, name, change)
     rows = failed(patches(), forms, ["mortar_D", "mortar_M", "gap"])
-    assert {r.name for r in rows} == {"deformable master"}
+    assert {r.name.split(",")[0] for r in rows} == {"deformable master"}
 
 
 @pytest.mark.parametrize("bound, case", [(0.0, ("triangle", "plane_strain", 1, 1)), (1.0, PATCH)])
@@ -211,13 +216,13 @@ def test_normals_at_planes_of_symmetry(bound, case, monkeypatch):
         right(self, u)
 
     monkeypatch.setattr(_cpp.multipliers.DeformableGeometry, "update_gap", wrong)
-    assert {r.name for r in failed(patches(case), ["normals"], ["mortar_D"])} == {"deformable master"}
+    assert {r.name.split(",")[0] for r in failed(patches(case), ["normals"], ["mortar_D"])} == {"deformable master"}
 
 
 def test_nodes_against_obstacles(monkeypatch):
     changed(monkeypatch, _cpp.multipliers.RigidGeometry, "gap", lambda v: v + 1e-9)
     rows = failed(patches(), ["mortar_gap"], ["mortar_force"])
-    assert {r.name for r in rows} == {"rigid plane", "rigid sphere", "rigid cylinder"}
+    assert {r.name.split(",")[0] for r in rows} == {"rigid plane", "rigid sphere", "rigid cylinder"}
 
 
 # Broken, the other side.
@@ -317,4 +322,4 @@ def test_functions_that_are_not_handed_over(monkeypatch):
 
     monkeypatch.setattr(_cpp.multipliers.DeformableGeometry, "mortar", property(all_carry))
     rows = failed(patches(("quadrilateral", "plane_strain", 2, 1)), ["mortar_D", "standard_D"], ["normals", "gap"])
-    assert {r.name for r in rows} == {"deformable master"}
+    assert {r.name.split(",")[0] for r in rows} == {"deformable master"}

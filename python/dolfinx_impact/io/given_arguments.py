@@ -211,8 +211,7 @@ class GivenArguments:
             for key, none in (("clearance", None), ("offset", (0.0, 0.0)), ("adjust", None))
             if getattr(pair, key) != none
         ]
-        removed = _text(pair.remove_penetration)
-        self.table[f"{of}.remove_penetration"] = removed + "".join(changes)
+        self.table[f"{of}.remove_penetration"] = "".join([_text(pair.remove_penetration), *changes])
         self.table[f"{of}.smooth"] = repr(tuple("function" if callable(side) else side for side in pair.smooth))
         for side, smooth, facets in zip(("slave", "master"), pair.smooth, surfaces):
             if callable(smooth):

@@ -216,9 +216,9 @@ def _read_gmsh(
         gmsh.model.add("dolfinx_impact.io.mesh_reader")
         gmsh.logger.start()
         left_out = fill(gmsh)
-        dim, cell_sets, facet_sets, kinds, notes = _check_msh_model(gmsh.model, path, gdim)
+        dimension, cell_names, facet_names, facets, notes = _check_msh_model(gmsh.model, path, gdim)
         state["numbers"] = _cell_numbers(gmsh.model)
-        return dim, cell_sets, facet_sets, kinds, [*left_out, *notes]
+        return dimension, cell_names, facet_names, facets, [*left_out, *notes]
 
     try:
         dimension, cell_names, facet_names, facets, notes = together(comm, load)

@@ -106,20 +106,20 @@ def read_sets(path: Path, sets: Sequence[str] | None) -> SetsMesh:
     facet_sets: dict[str, IntArray] = {}
     first = np.cumsum([0, *(len(data) if k == kind else 0 for k, data in blocks)])
     for name, parts in named.items():
-        own = [start + rows for (k, _), start, rows in zip(blocks, first, parts) if k == kind]
-        sides = [data[rows] for (k, data), rows in zip(blocks, parts) if k == _FACET_TYPE[kind]]
-        if sum(map(len, own)):
-            cell_sets[name] = np.unique(np.concatenate(own))
-        if sum(map(len, sides)):
-            facet_sets[name] = np.concatenate(sides)
-    cells = np.concatenate([data for k, data in blocks if k == kind])
+        rows_here = [start + rows for (k, _), start, rows in zip(blocks, first, parts) if k == kind]
+        rows_there = [data[rows] for (k, data), rows in zip(blocks, parts) if k == _FACET_TYPE[kind]]
+        if sum(map(len, rows_here)):
+            cell_sets[name] = np.unique(np.concatenate(rows_here))
+        if sum(map(len, rows_there)):
+            facet_sets[name] = np.concatenate(rows_there)
+    cells: IntArray = np.concatenate([data for k, data in blocks if k == kind])
     points = np.zeros((len(mesh.points), 3))
     points[:, : mesh.points.shape[1]] = mesh.points
     out = SetsMesh(points, kind, cells, np.zeros(len(cells), dtype=np.int64))
     found = _Facets(kind, cells)
     surfaces, of_elements = _surfaces(path, cell_sets) if path.suffix.lower() == ".inp" else ({}, set())
-    for name, rows in surfaces.items():
-        facet_sets[name] = found.of_cells(rows)
+    for name, pairs in surfaces.items():
+        facet_sets[name] = found.of_cells(pairs)
     cell_sets = {name: rows for name, rows in cell_sets.items() if name not in of_elements}
     alone = _names_of_nodes(mesh, len(points))
     for name, nodes in alone.items():

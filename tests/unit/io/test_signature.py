@@ -198,6 +198,7 @@ ROWS = {
     di.ContactPair: ({}, {
         "facet_tags": lambda b: b.fewer_below, "slave": lambda b: b.top, "master": lambda b: b.bottom, "friction": 0.2,
         "search_distance": 0.8, "remove_penetration": ELSEWHERE, "name": NO_MATTER, "smooth": True, "crease": 20.0,
+        "clearance": 0.03, "offset": 0.02, "adjust": 0.01,
     }),
     di.Lagrange: ({"contact": di.Lagrange}, {"pair": ELSEWHERE, "quadrature_degree": 3, "basis": "standard"}),
     di.Penalty: ({}, {
@@ -213,7 +214,8 @@ ROWS = {
 WORDS = {"beta": "beta|scheme", "gamma": "scheme", "rho_inf": "scheme", "hht": "scheme", "bcs": "supports|functions of",
          "bc": "supports", "facet_tags": "facet_tags|slave|tag", "cell_tags": "cells", "mass_scaling": "mass",
          "amplitude": "functions of time", "density": "density", "mass": "mass",
-         "normal": "master.normal"}  # fmt: skip
+         "normal": "master.normal", "clearance": "remove_penetration", "offset": "remove_penetration",
+         "adjust": "remove_penetration"}  # fmt: skip
 # Further changes, of functions, forms, motions, laws of one's own: (parts, first, then, words).
 MORE = {
     "an amplitude that is left out": ({}, {}, {di.BodyForce: {"amplitude": None}}, "loads.0..amplitude"),
@@ -295,8 +297,8 @@ def test_every_argument_has_a_row(kind):
 def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results."""
     others = {
-        "ContactStatus", "DeformedBody", "Energy", "InternalForce", "MaterialUpdate", "PointValues", "RollingProblem",
-        "RigidSurface", "Spin", "StaticProblem", "Tangent", "Translation", "Units",
+        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "InternalForce", "MaterialUpdate", "PointValues",
+        "RigidSurface", "RollingProblem", "Spin", "StaticProblem", "Tangent", "Translation", "Units",
     }  # fmt: skip
     classes = {name for name in di.__all__ if isinstance(getattr(di, name), type)}
     assert classes == others | {kind.__name__ for kind in ROWS if kind is not Creeping}
