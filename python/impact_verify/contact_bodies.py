@@ -2,7 +2,7 @@
 """Two bodies in one mesh, one above the other, on both sides; integration rules handed over."""
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias, Union, cast
+from typing import Any, TypeAlias, Union
 
 import basix
 import basix.ufl
@@ -182,7 +182,7 @@ class TwoBodies(matched_body.Body):
         distance = None if self.rigid or not everywhere else self.size
         return contact.ContactPair(
             self.tags, SLAVE, master, self.friction, search_distance=distance, smooth=(False, smooth),
-            **cast(dict[str, Any], self.adjustment),
+            **self.adjustment,
         )  # fmt: skip
 
     def theirs(self, points_and_weights: tuple[FloatArray, FloatArray]) -> impact_reference.Contact:

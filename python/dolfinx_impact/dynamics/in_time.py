@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from dolfinx.fem import DirichletBC
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..contact.mortar.tie import TieContact
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
-    BoundContact = NodalPair | ExplicitTie | GeneralOutput
+    BoundContact: TypeAlias = NodalPair | ExplicitTie | GeneralOutput
 
 
 def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOfTime) -> _cpp.problems.PrescribedMotion:

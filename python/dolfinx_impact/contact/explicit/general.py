@@ -14,6 +14,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
 from ... import _cpp
+from ...amplitude import Amplitude
 from ...common.arguments import number
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
@@ -176,7 +177,8 @@ class GeneralOutput(ContactOutput):
     """
 
     initial = None
-    kind, kinematic, is_penalty, motion, body, penalty = "GeneralContact", False, True, None, None, 0.0
+    kind, kinematic, is_penalty, body, penalty = "GeneralContact", False, True, None, 0.0
+    motion: Amplitude | None = None
     nodes: IntArray
     weight: FloatArray
     points: FloatArray
