@@ -18,6 +18,7 @@ from ..assembly import jit
 from ..common.arguments import number
 from ..common.fixed import Fixed
 from ..forms import interface
+from ..forms.compiler.frontend import form_signature
 from ..forms.interface import TANGENTIAL, InterfaceUpdate
 
 __all__ = ["TANGENTIAL", "InterfaceLaw", "InterfaceUpdate"]
@@ -107,6 +108,7 @@ class InterfaceLaw(Fixed):
             values[STIFFNESS] = self.tangential
         self._parameters = values
         self._made_for: dict[int, _cpp.enforcement.InterfaceLaw] = {}
+        self._signatures: dict[int, str] = {}
 
     def _check_parts(self) -> None:
         """Refuse parts that do not go together."""
@@ -221,11 +223,22 @@ class InterfaceLaw(Fixed):
             comm: communicator whose ranks compile together.
         """
         form = interface.InterfaceForm(self, gdim, tuple(self.fields), tuple(self._parameters))
+        self._signatures[gdim] = form_signature(form.form, form.point_law)[:32]
         compiled = jit.compile_form(form.form, form.names, comm, form.point_law)
         tangential = [name for name, shape in self.history.items() if shape == TANGENTIAL]
         functions = {name: function._cpp_object for name, function in self.fields.items()}
         (kernel,) = compiled.kernels
         return _cpp.enforcement.InterfaceLaw(kernel.address, gdim, self._parameters, functions, tangential, self.reach)
+
+    def identity(self, gdim: int) -> str:
+        """What a checkpoint knows of the law: its expressions, parameters and reach.
+
+        Args:
+            gdim: dimension of space of a problem that has the law [1].
+        """
+        numbers = ", ".join(f"{name} {value!r}" for name, value in sorted(self._parameters.items()))
+        fields = ", ".join(sorted(self.fields))
+        return f"expressions {self._signatures[gdim]}; {numbers}; fields {fields}; reach {self.reach!r}"
 
     def __repr__(self) -> str:
         given = [w for w in ("pressure", "shear", "traction", "energy", "friction", "response") if getattr(self, w)]

@@ -132,7 +132,7 @@ class NodalPair(ContactOutput):
         by_class = {**options, "by_step": by_step} if cpp_class is _cpp.nodal.NodePenalty else dict(options)
         if cpp_class is _cpp.nodal.NodeLaw:
             by_class["law"] = options["law"].in_cpp(V)
-            self.parameters = {**options, "law": repr(options["law"])}
+            self.parameters = {**options, "law": options["law"].identity(self.gdim)}
         self._cpp_object = self._make(**by_class)
         self._sides = cast(list[_cpp.nodal.NodeToSurface], self._cpp_object.directions)
         self.initial = self._sides[0].initial
