@@ -135,7 +135,7 @@ class ExplicitProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: ExplicitMethod | Sequence[ExplicitMethod] = (),
+        contact: Penalty | Kinematic | Tie | GeneralContact | Sequence[Penalty | Kinematic | Tie | GeneralContact] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
