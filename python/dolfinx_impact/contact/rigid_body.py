@@ -228,8 +228,8 @@ class RigidBody(_Rigid):
     @motion.setter
     def motion(self, value: Any) -> None:
         raise AttributeError(
-            "motion of a RigidBody cannot be changed: it moves by forces, not as a function of time; give `fixed` and a "
-            "velocity"
+            "motion of a RigidBody cannot be changed: it moves by forces, not as a function of time; give `fixed` and "
+            "a velocity"
         )
 
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
