@@ -28,6 +28,7 @@ from typing import Any, Protocol
 import basix.ufl
 import ufl
 from ufl.algorithms import expand_derivatives
+from ufl.algorithms.transformer import strip_variables
 from ufl.constantvalue import Zero
 
 from .consistent_tangent import solve
@@ -88,6 +89,11 @@ class InterfaceResponse(Protocol):
         ...
 
 
+def _plain(expression: Any) -> Any:
+    """An expression without derivatives and variables."""
+    return strip_variables(expand_derivatives(expression))
+
+
 class InterfaceForm:
     """The kernel's form of a law, and the names of its functions.
 
@@ -137,14 +143,16 @@ class InterfaceForm:
         tangential = {name: history[name] for name, shape in law.history.items() if shape == TANGENTIAL}
         outputs = self._outputs(update, inputs | {f"history {n}": c for n, c in tangential.items()}, unknown)
         outputs |= self._history(update, shapes)
+        # Variables have numbers that count up through a process, with which the same law had another signature.
+        outputs = {name: _plain(value) for name, value in outputs.items()}
         self._check(outputs, update, known)
         self.point_law = PointLaw(
             outputs=outputs | ({} if unknown is None else {UNKNOWN: unknown}),
             history=history,
             unknown=unknown,
-            residual=None if unknown is None else ufl.as_ufl(update.residual),
-            start=None if unknown is None else ufl.as_ufl(update.start),
-            scale=update.scale,
+            residual=None if unknown is None else _plain(ufl.as_ufl(update.residual)),
+            start=None if unknown is None else _plain(ufl.as_ufl(update.start)),
+            scale=_plain(ufl.as_ufl(update.scale)),
         )
         self.form = inputs["gap"] * ufl.dx(domain=self._mesh, degree=0)
         self.names = {c: name for name, c in {**inputs, **values}.items()}
