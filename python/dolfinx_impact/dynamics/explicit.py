@@ -436,7 +436,7 @@ class ExplicitProblem(TransientProblem):
 
     def unsolved_points(self) -> str:
         """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
-        return self._bodies.internal.fault()
+        return self._bodies.internal.fault() or self._cpp_object.unsolved()
 
     @property
     def history_limit(self) -> int:
