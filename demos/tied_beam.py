@@ -72,7 +72,7 @@ lowest = comm.allreduce(u.x.array.reshape(-1, 2)[: len(at_tip)][at_tip, 1].min(i
 deflection = 4 * P * L**3 / (E * h**3) + (12 + 11 * nu) * P * L / (5 * E * h)
 if comm.rank == 0:
     print(f"deflection of the tip: {-lowest * 1e3:.4f} mm, beam theory {deflection * 1e3:.4f} mm")
-    print(f"force on the part at the tip: {result.force[0]:.2e} and {result.force[1]:.6f} N/m, load {-P:.6f} N/m")
+    print(f"force on the part at the tip: {result.force[1]:.4f} N/m, load {-P:.4f} N/m")
     figure, axes = plt.subplots(1, 2, figsize=(8, 3), sharey=True, layout="constrained")
     for a, exact, found, name in ((axes[0], bending, -t[:, 0], "stress"), (axes[1], -shear, -t[:, 1], "shear stress")):
         a.plot(exact / 1e6, y, "C0", lw=3, alpha=0.4, label="beam theory")

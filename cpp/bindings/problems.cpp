@@ -447,6 +447,7 @@ void bind_explicit(nb::module_& m)
       .def("update_motion", &ExplicitProblem::update_motion,
            "Functions of displacement, velocity and acceleration get the present motion. Collective")
       .def("update_gaps", [](ExplicitProblem& self) { self.integrator().update_gaps(); })
+      .def("unsolved", &ExplicitProblem::unsolved, "Which local equations were not solved; empty: all were. Collective")
       .def("stable_step", &ExplicitProblem::stable_step_of_function, nb::arg("method"),
            "Of the displacement that the function has. Collective")
       .def(

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from dolfinx.fem import DirichletBC
@@ -12,7 +12,7 @@ from dolfinx.fem import DirichletBC
 from . import _cpp
 from .common.arguments import number, path
 from .common.collective import comm_of, guard
-from .common.fixed import Fixed
+from .common.fixed import Fixed, read_only
 from .common.types import ArrayLike, FilePath, FloatArray
 
 INTERPOLATIONS = ("linear", "smooth")
@@ -106,12 +106,12 @@ class AmplitudeTable(Fixed):
     @property
     def times(self) -> FloatArray:
         """Times, (n) [T]."""
-        return self._cpp_object.times
+        return cast(FloatArray, read_only(self._cpp_object.times))
 
     @property
     def values(self) -> FloatArray:
         """Values at these times, (n, size)."""
-        return self._cpp_object.values
+        return cast(FloatArray, read_only(self._cpp_object.values))
 
     @property
     def size(self) -> int:

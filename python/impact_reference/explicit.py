@@ -83,7 +83,7 @@ class _Nodal:
         search_distance: float | None,
         motion: TimeValues | None,
         normals: dict[str, ArrayLike | None],
-        gaps: tuple[float, float | None, float | None],
+        gaps: tuple[float, float | None, float | None] = (0.0, None, None),
     ) -> None:
         self.gaps = [np.nan if value is None else float(value) for value in gaps]  # offset, clearance, adjust
         self.slave, self.master, self.friction = slave, master, float(friction)

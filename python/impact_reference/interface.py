@@ -5,7 +5,6 @@ All laws take a history of one point: gaps, (n), positive if open, and slips in 
 both begin at zero in the state before the first entry. They return the tractions at the end of each step.
 """
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -53,15 +52,15 @@ def exponential_pressure(gap: float, pressure: float, clearance: float) -> tuple
     """
     if gap >= clearance:
         return 0.0, 0.0
-    factor = pressure / (math.e - 1.0)
+    factor = pressure / (float(np.e) - 1.0)
 
     def curve(at: float) -> float:
         part = (clearance - at) / clearance
-        return factor * part * math.expm1(part)
+        return factor * part * float(np.expm1(part))
 
     # Gauss's rule of ten points on parts of at most a tenth of the clearance: the curve is an exponential there.
     points, weights = np.polynomial.legendre.leggauss(10)
-    parts = max(1, math.ceil((clearance - gap) / (0.1 * clearance)))
+    parts = max(1, int(np.ceil((clearance - gap) / (0.1 * clearance))))
     ends = np.linspace(gap, clearance, parts + 1)
     area = 0.0
     for a, b in zip(ends[:-1], ends[1:]):
@@ -133,8 +132,8 @@ def cohesive_history(
     damage = 0.0
     for i in range(len(gaps)):
         gap, slip = float(gaps[i]), slips[i]
-        opening, sliding = max(gap, 0.0), math.hypot(float(slip[0]), float(slip[1]))
-        separation = math.hypot(opening, sliding)
+        opening, sliding = max(gap, 0.0), float(np.hypot(slip[0], slip[1]))
+        separation = float(np.hypot(opening, sliding))
         if separation > 0.0:
             mix = (sliding / separation) ** 2
             blend = mix**exponent if mix > 0.0 else 0.0
@@ -142,7 +141,7 @@ def cohesive_history(
             at_onset = [0.5 * t * t / stiffness for t in strengths]
             onset_energy = at_onset[0] + (at_onset[1] - at_onset[0]) * blend
             fracture = energies[0] + (energies[1] - energies[0]) * blend
-            onset = math.sqrt(2.0 * onset_energy / stiffness)
+            onset = float(np.sqrt(2.0 * onset_energy / stiffness))
             end = 2.0 * fracture / (stiffness * onset)
             if separation >= end:
                 secant = 0.0
@@ -169,7 +168,7 @@ def adhesive_pressure(gap: float, work: float, distance: float) -> tuple[float, 
         distance: gap of the largest attraction [L].
     """
     y = gap / distance
-    decay = math.exp(-y)
+    decay = float(np.exp(-y))
     return -work / distance * y * decay, -work * decay - work * y * decay
 
 

@@ -7,6 +7,7 @@ at the start, until one passes through a facet of the other surface. Nothing is 
 
 import itertools
 
+import impact_reference
 import numpy as np
 import pytest
 from dolfinx import mesh
@@ -76,6 +77,8 @@ def gaps(case, x, t):
     slave = simplices(case, SLAVE)
     if case.body.rigid:
         obstacle, motion = case.body.rigid[1], np.zeros(x.shape[1]) if case.obstacle is None else case.obstacle(t)
+        if isinstance(obstacle, impact_reference.RigidBall):  # it flies on
+            motion = obstacle.velocity[: x.shape[1]] * t
         points = x[np.unique(slave)] - motion
         if hasattr(obstacle, "radius"):
             return np.linalg.norm(points - obstacle.center[: x.shape[1]], axis=1) - obstacle.radius

@@ -6,9 +6,11 @@ so that P = sqrt(G_c E' I b)/a and the opening of the ends is 2 P a^3/(3 E' I). 
 front make arms longer by chi h, chi = 0.67 for isotropic arms (Williams 1989, corrected beam theory).
 """
 
+import basix.ufl
 import dolfinx_impact as di
 import numpy as np
 import pytest
+import ufl
 from dolfinx import fem, mesh
 from dolfinx_impact import compat, interface
 from mpi4py import MPI
@@ -26,9 +28,6 @@ def arms(cell):
         arm = mesh.create_rectangle(MPI.COMM_SELF, [[0.0, low], [LENGTH, low + HEIGHT]], n, mesh.CellType.quadrilateral)
         cells.append(np.array(compat.geometry_dofmap(arm), dtype=np.int64) + sum(map(len, points)))
         points.append(arm.geometry.x[:, :2].copy() + [0.0, np.sign(low + 0.5) * 1e-3])
-    import basix.ufl
-    import ufl
-
     element = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
     made = mesh.create_mesh(MPI.COMM_SELF, np.vstack(cells), x=np.vstack(points), e=element)
     sides = [(3, 1e-3), (4, -1e-3)]
@@ -60,24 +59,21 @@ def test_force_and_opening_of_a_growing_crack():
     )  # fmt: skip
     contact = problem.contact[0]
     bending = E / (1 - NU**2) * HEIGHT**3 / 12
-    rows, work, last = [], 0.0, 0.0
+    rows = []
     for opening in np.linspace(0.0, 9.0, 61)[1:]:
         pull.x.array.reshape(-1, 2)[ends[upper], 1] = opening / 2
         pull.x.array.reshape(-1, 2)[ends[~upper], 1] = -opening / 2
         problem.solve(steps=1)
-        force, _ = problem.reaction(bc)
-        open_ = contact.points[:, 0][contact.status == 0]
-        rows.append((opening, open_.max(initial=CRACK), contact.dissipated))
-        last = opening
-    assert last == 9.0 and work == 0.0 and force is not None
-    opening, crack, dissipated = np.array(rows).T
-    growing = crack > CRACK + 4.0
+        bonded = contact.points[:, 0][contact.status == di.ContactStatus.stick]
+        rows.append((opening, bonded.min(initial=LENGTH), contact.dissipated))
+    opening, front, dissipated = np.array(rows).T
+    # The crack of beam theory has no zone that softens: its length is that of the energy spent.
+    crack = CRACK + dissipated / ENERGY
+    growing = (front > CRACK + 4.0) & (crack < LENGTH - 8.0)  # and far from the clamped end
     assert growing.sum() > 10
     # The opening at which a crack of this length grows, 2 P a^3/(3 E' I) with P = sqrt(G E' I)/a.
-    a = crack + CHI * HEIGHT
-    exact = 2.0 / 3.0 * a**2 * np.sqrt(ENERGY / bending)
+    exact = 2.0 / 3.0 * (crack + CHI * HEIGHT) ** 2 * np.sqrt(ENERGY / bending)
+    # What is left of theory is the softening zone, of about 3 mm: a part of the arms' length.
     assert np.abs(opening / exact - 1.0)[growing].max() < 0.08
-    # What is dissipated is the energy of fracture of the new surface, and of the zone that is softening.
-    between = np.diff(dissipated[growing])[::5].sum() >= 0.0
-    slope = np.polyfit(crack[growing], dissipated[growing], 1)[0]
-    assert between and slope == pytest.approx(ENERGY, rel=0.03)
+    # What is dissipated while the front moves on is the energy of fracture of the new surface.
+    assert np.polyfit(front[growing], dissipated[growing], 1)[0] == pytest.approx(ENERGY, rel=0.03)

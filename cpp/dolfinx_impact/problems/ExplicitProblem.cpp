@@ -304,7 +304,18 @@ void ExplicitProblem::keep_bodies()
 std::string ExplicitProblem::unsolved() const
 {
   const long long here = (long long)_body.internal.num_unsolved(), all = common::sum(comm(), here);
-  return all == 0 ? "" : "the local equations of the material were not solved at " + std::to_string(all) + " points";
+  if (all > 0)
+    return "the local equations of the material were not solved at " + std::to_string(all) + " points";
+  for (const ContactInTime& c : _contacts)
+  {
+    long long points = 0;
+    for (const auto& direction : c.contact.directions())
+      points += direction->num_unsolved();
+    if (points = common::sum(comm(), points); points > 0)
+      return c.name + ": the local equations of the law of the interface were not solved at " + std::to_string(points) +
+             " points";
+  }
+  return "";
 }
 
 /// Slave nodes in the master by more than half a facet stay open: the bodies would pass through each other. Of balanced

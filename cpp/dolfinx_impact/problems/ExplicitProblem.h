@@ -105,6 +105,9 @@ public:
   const std::vector<ContactInTime>& contacts() const { return _contacts; }
   /// Rigid bodies, each once, in the order of the contacts.
   std::vector<std::shared_ptr<RigidBodyInTime>> rigid_bodies() const;
+  /// Which local equations, of materials or of laws of the interface, the last step could not solve; empty: all were.
+  /// Collective.
+  std::string unsolved() const;
 
 private:
   ExplicitStepper::System system();
@@ -112,7 +115,6 @@ private:
   void check_overlap();
   void start_tied();
   void go_back();
-  std::string unsolved() const;
   double assembled_stable_step();
 
   ExplicitBody _body;

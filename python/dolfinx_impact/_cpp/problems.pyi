@@ -161,6 +161,9 @@ class ExplicitProblem:
         """
 
     def update_gaps(self) -> None: ...
+    def unsolved(self) -> str:
+        """Which local equations were not solved; empty: all were. Collective"""
+
     def stable_step(self, method: StableStepMethod) -> float:
         """Of the displacement that the function has. Collective"""
 

@@ -216,7 +216,9 @@ class RigidBody(_Rigid):
 
     @displacement.setter
     def displacement(self, value: ArrayLike) -> None:
-        raise ValueError("a RigidBody moves by forces: displace its surface before it is made, or give `fixed`")
+        raise AttributeError(
+            "displacement of a RigidBody cannot be changed: it moves by forces; displace its surface before it is made"
+        )
 
     @property
     def motion(self) -> Any:
@@ -225,7 +227,10 @@ class RigidBody(_Rigid):
 
     @motion.setter
     def motion(self, value: Any) -> None:
-        raise ValueError("a RigidBody moves by forces, not as a function of time: give `fixed` and a velocity")
+        raise AttributeError(
+            "motion of a RigidBody cannot be changed: it moves by forces, not as a function of time; give `fixed` and "
+            "a velocity"
+        )
 
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         made = self.surface.obstacle(gdim)

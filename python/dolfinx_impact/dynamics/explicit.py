@@ -135,7 +135,7 @@ class ExplicitProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: ExplicitMethod | Sequence[ExplicitMethod] = (),
+        contact: Penalty | Kinematic | Tie | GeneralContact | Sequence[Penalty | Kinematic | Tie | GeneralContact] = (),
         damping: Rayleigh | None = None,
         bulk_viscosity: tuple[float, float] | None = None,
         scheme: str = "half_step",
@@ -436,7 +436,7 @@ class ExplicitProblem(TransientProblem):
 
     def unsolved_points(self) -> str:
         """Which local equations the last evaluation could not solve; an empty text if all were. Collective."""
-        return self._bodies.internal.fault()
+        return self._bodies.internal.fault() or self._cpp_object.unsolved()
 
     @property
     def history_limit(self) -> int:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from dolfinx.fem import DirichletBC
@@ -15,11 +15,14 @@ from ..contact import in_cpp
 from .functions_of_time import FunctionsOfTime
 
 if TYPE_CHECKING:
+    from ..contact.explicit.general import GeneralOutput
     from ..contact.explicit.nodal import NodalPair
     from ..contact.explicit.tied import ExplicitTie
     from ..contact.mortar.lagrange import LagrangeContact
     from ..contact.mortar.tie import TieContact
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
+
+    BoundContact: TypeAlias = NodalPair | ExplicitTie | GeneralOutput
 
 
 def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOfTime) -> _cpp.problems.PrescribedMotion:
@@ -38,7 +41,7 @@ def prescribed_motion(bc: DirichletBC | PrescribedMotion, functions: FunctionsOf
     return _cpp.problems.PrescribedMotion(bc.bc._cpp_object, bc.amplitude.sample(np.zeros(1))[0])
 
 
-def contact_in_time(contact: NodalPair | ExplicitTie, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
+def contact_in_time(contact: BoundContact, functions: FunctionsOfTime) -> _cpp.problems.ContactInTime:
     """A contact.
 
     Args:
@@ -55,7 +58,7 @@ def contact_in_time(contact: NodalPair | ExplicitTie, functions: FunctionsOfTime
     return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.body)
 
 
-def contacts_in_time(contacts: Sequence[NodalPair], functions: FunctionsOfTime) -> list[_cpp.problems.ContactInTime]:
+def contacts_in_time(contacts: Sequence[BoundContact], functions: FunctionsOfTime) -> list[_cpp.problems.ContactInTime]:
     """All contacts of an explicit problem.
 
     Args:

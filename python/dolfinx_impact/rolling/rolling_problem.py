@@ -48,6 +48,7 @@ from .transport import Transport
 
 if TYPE_CHECKING:
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
+    from ..contact.mortar.tie import TieContact
     from ..contact.penalty.penalty import Penalty
     from ..contact.penalty.quadrature_penalty import QuadraturePenalty
 
@@ -120,7 +121,7 @@ class RollingProblem(Unique):
                     raise ValueError(complaint)
         self._flow = Flow(u, material, cell_tags, self.motions)
         everything: list[Any] = [*loads, self._flow]
-        self._rubs = any(c.pair.friction > 0.0 for c in contact)
+        self._rubs = any(c.pair.has_friction for c in contact)
         if self._rubs:
             contact = [RollingLagrange(cast("Lagrange", c), self._flow) for c in contact]
         self._equilibrium = StaticProblem(
@@ -152,7 +153,7 @@ class RollingProblem(Unique):
         return f"RollingProblem({self.motions}, {self._equilibrium!r})"
 
     @property
-    def contact(self) -> tuple[LagrangeContact | QuadraturePenalty, ...]:
+    def contact(self) -> tuple[LagrangeContact | QuadraturePenalty | TieContact, ...]:
         """Contacts with their results."""
         return self._equilibrium.contact
 

@@ -17,6 +17,7 @@ from dolfinx_impact import _cpp
 from dolfinx_impact.common.memory import free_garbage
 from dolfinx_impact.common.types import AnyArray, FilePath, FloatArray
 from dolfinx_impact.contact import Lagrange, Penalty
+from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
 from dolfinx_impact.dynamics.subject import in_time
 from dolfinx_impact.io import checkpoint
@@ -246,6 +247,7 @@ class Passage:
         """
         if self._penalty is None:
             trial = ExplicitProblem.from_static(static, **self.explicit_arguments()).contact[0]
+            assert isinstance(trial, NodalPair)  # the joint has no other contact
             closed = trial.stiffness > 0.0
             found = self.model.comm.allgather(trial.stiffness[closed] / trial.weight[closed])
             self._penalty = float(np.median(np.concatenate(found)))

@@ -203,7 +203,7 @@ def test_what_is_refused():
     with pytest.raises(ValueError, match="has a motion"):
         di.RigidBody(moved, mass=1.0)
     for name, value in (("displacement", (0, 0, 1)), ("motion", lambda t: (0, 0, t)), ("velocity", (0, 0, 1))):
-        with pytest.raises(ValueError, match="moves by forces|is a result"):
+        with pytest.raises((AttributeError, ValueError), match="moves by forces|is a result"):
             setattr(ball(3), name, value)
     lone = di.RigidBody(di.RigidSphere((0, 0, 0), 1.0), mass=1.0)
     with pytest.raises(RuntimeError, match="belongs to no problem"):

@@ -300,6 +300,29 @@ def check_implicit_rates():
     assert abs(velocities[0] - velocities[1]) < 0.02, velocities
 
 
+def check_local_equations_that_have_no_solution():
+    """Static and explicit problems say which contact it was."""
+
+    def respond(point):
+        x = point.unknown
+        return di.InterfaceUpdate(x, residual=x**2 + 1, start=0 * point.gap + 1, scale=1.0)
+
+    for explicit in (False, True):
+        blocks = Blocks("quadrilateral", (2, 1), (2, 1))
+        contact = [di.Penalty(blocks.pair(name="joint"), law=di.InterfaceLaw(response=respond, unknown=(), reach=0.1))]
+        bcs = [*blocks.held(BOTTOM, 0, 1), *blocks.held(TOP, 0, 1)]
+        try:
+            if explicit:
+                run = di.ExplicitProblem(blocks.u, stiff(2), bcs=bcs, contact=contact)
+                run.advance(until=1e-4, dt=1e-6, progress=False)
+            else:
+                di.StaticProblem(blocks.u, stiff(2), bcs=bcs, contact=contact).solve()
+        except RuntimeError as e:
+            assert "joint: the local equations of the law of the interface were not solved at" in str(e), e
+        else:
+            raise AssertionError("it was not told")
+
+
 def check_what_is_refused():
     """Rates in statics, two sources of friction, two laws in one contact."""
     blocks = Blocks("quadrilateral", (2, 1), (2, 1))

@@ -7,6 +7,7 @@ import pytest
 import ufl
 from dolfinx import fem, mesh
 from dolfinx_impact import interface
+from dolfinx_impact.forms.compiler.frontend import form_signature
 from dolfinx_impact.forms.interface import InterfaceForm
 from impact_verify.selfcheck.interface_law import CHECKS, LawSubject
 from mpi4py import MPI
@@ -89,6 +90,17 @@ def test_paths_of_the_checks_lie_in_the_tangent_planes():
     gaps, slips = subject.path()
     assert not gaps[0].any() and not slips[0].any() and 1e-4 < np.abs(gaps).max() < 1e-2
     assert np.abs(np.einsum("tnc,nc->tn", slips, subject.normal)).max() < 1e-17
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_that_is_written_again_is_the_same(name):
+    """Kernels are found in the cache, and checkpoints know the law again, whatever UFL has counted in between."""
+    found = set()
+    for _ in range(3):
+        law = LAWS[name]()
+        form = InterfaceForm(law, 3, tuple(law.fields), tuple(law.parameters))
+        found.add(form_signature(form.form, form.point_law))
+    assert len(found) == 1
 
 
 def of_points(law, gdim, gap, slip, **more):

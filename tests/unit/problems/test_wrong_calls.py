@@ -241,7 +241,7 @@ CALLS = {
     # parts
     "tag None": (lambda b: di.ContactPair(b.tags, None, 4), TypeError, "tag must be an integer, found None"),
     "tag nan": (lambda b: di.ContactPair(b.tags, NAN, 4), TypeError, "tag must be an integer, found nan"),
-    "master None": (lambda b: di.ContactPair(b.tags, 3, None), TypeError, "master must be a tag or a rigid obstacle"),
+    "master None": (lambda b: di.ContactPair(b.tags, 3, None), TypeError, "a list of tags or a rigid obstacle"),
     "master a class": (lambda b: di.ContactPair(b.tags, 3, di.RigidPlane), TypeError, "make an object of it"),
     "traction without tags": (lambda b: di.Traction(None, 5, (0, 1)), TypeError, "Traction: facet_tags"),
     "MaterialMap without tags": (lambda b: di.MaterialMap(None, {1: law()}), TypeError, "MeshTags of cells"),

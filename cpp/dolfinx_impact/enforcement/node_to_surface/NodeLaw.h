@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../interface/InterfaceLaw.h"
+#include "FieldsAtNodes.h"
 #include "MasterForces.h"
 #include "NodeToSurface.h"
 #include <memory>
@@ -39,7 +40,6 @@ public:
   /// Of the law's largest stiffness where surfaces touch and at the nodes' last evaluation.
   double added_square_frequency(std::span<const double> mass) const override;
   double added_damping_rate(std::span<const double> mass) const override;
-  /// Points of this rank whose local equations were not solved in the last step.
   std::int64_t num_unsolved() const override { return _tractions.num_unsolved; }
 
 private:
@@ -54,7 +54,6 @@ private:
     double normal = 0.0, shear = 0.0;
   };
   HalfWork last_work(std::size_t i, const double* motion) const;
-  void gather_fields();
   template <int D>
   void find_points(const NodalState& state);
   template <int D>
@@ -77,13 +76,12 @@ private:
   std::vector<ContactPoint> _found;
   InterfacePoints _points;
   InterfaceTractions _tractions;
-  std::vector<double> _motion;                    ///< increment relative to the master [L]
-  std::vector<std::vector<double>> _field_values; ///< of each field, by number in the Halo
-  std::vector<std::int32_t> _owned_numbers;       ///< in the Halo, of the owned nodes of the space
+  std::vector<double> _motion; ///< increment relative to the master [L]
+  FieldsAtNodes _fields;
   MasterForces _master_forces;
-  std::vector<MomentCorrection> _corrections;     ///< of the present step, by node in reach
-  std::vector<double> _arms;                      ///< of them: positions of the facet's nodes about their mean [L]
-  std::vector<LastForce> _last;                   ///< by slave node
-  const double* _du = nullptr;                    ///< increments of the present step [L]
+  std::vector<MomentCorrection> _corrections; ///< of the present step, by node in reach
+  std::vector<double> _arms;                  ///< of them: positions of the facet's nodes about their mean [L]
+  std::vector<LastForce> _last;               ///< by slave node
+  const double* _du = nullptr;                ///< increments of the present step [L]
 };
 } // namespace dolfinx_impact::enforcement

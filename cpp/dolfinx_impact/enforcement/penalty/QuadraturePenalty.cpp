@@ -326,12 +326,13 @@ bool QuadraturePenalty::leave_facets()
   const std::vector<double> closest_before = closest_points(), traction_before = traction();
   update_gap(std::vector<double>(_u));
   const std::vector<double> closest = closest_points(), traction_now = traction();
+  const double per_length = stiffness();
   double change = 0.0;
   for (std::size_t i = 0; i < closest.size(); ++i)
   {
     if (_forces.state().status[i / at().gdim] != ContactStatus::open)
       change = std::max(change, std::abs(closest[i] - closest_before[i]));
-    if (const double per_length = stiffness(); per_length > 0.0)
+    if (per_length > 0.0)
       change = std::max(change, std::abs(traction_now[i] - traction_before[i]) / per_length);
   }
   MPI_Allreduce(MPI_IN_PLACE, &change, 1, MPI_DOUBLE, MPI_MAX, comm());
@@ -539,6 +540,7 @@ std::int64_t QuadraturePenalty::num_active() const
 /// Penalty times the rounding of positions, at points that are closed, or open by no more than that.
 double QuadraturePenalty::round_off() const
 {
+  const double per_length = stiffness();
   double sum = 0.0;
   const std::vector<double> now = gap();
   for (std::size_t q = 0; q < now.size(); ++q)
@@ -549,7 +551,7 @@ double QuadraturePenalty::round_off() const
       squared += at().x[q * gdim + c] * at().x[q * gdim + c];
     const double rounding = std::numeric_limits<double>::epsilon() * std::sqrt(squared);
     if (_forces.law() ? _forces.law()->acts(q) : now[q] <= rounding)
-      sum += std::pow(stiffness() * at().weight[q] * rounding, 2);
+      sum += std::pow(per_length * at().weight[q] * rounding, 2);
   }
   return std::sqrt(sum_over_ranks(sum));
 }

@@ -14,6 +14,7 @@ from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
 from ... import _cpp
+from ...amplitude import Amplitude
 from ...common.arguments import number
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
@@ -38,7 +39,7 @@ class GeneralSurface(Fixed):
         name: name for messages and files.
     """
 
-    rigid = False
+    rigid, rigid_body = False, None
 
     def __init__(self, facet_tags: MeshTags, tags: tuple[int, ...] | None, friction: float, name: str) -> None:
         self.facet_tags, self.tags, self.friction, self.name = facet_tags, tags, friction, name
@@ -176,7 +177,8 @@ class GeneralOutput(ContactOutput):
     """
 
     initial = None
-    kind, kinematic, is_penalty, motion, penalty = "GeneralContact", False, True, None, 0.0
+    kind, kinematic, is_penalty, body, penalty = "GeneralContact", False, True, None, 0.0
+    motion: Amplitude | None = None
     nodes: IntArray
     weight: FloatArray
     points: FloatArray
@@ -199,7 +201,8 @@ class GeneralOutput(ContactOutput):
                 f"{pair.name}: general contact is for plane and 3D problems; name pairs in axisymmetric ones"
             )
         self._facets = pair.facets(V)
-        named = [tuple(other.surfaces(V)) for other in problem.named_pairs]
+        surfaces = [other.surfaces(V) for other in problem.named_pairs]
+        named = [(slave, master) for slave, master in surfaces if master is not None]
         self._general = _cpp.nodal.GeneralContact(V._cpp_object, self._facets, pair.friction, named)
         self._cpp_object = _cpp.nodal.NodalPair([self._general])
         self.nodes, self.weight = self._general.nodes, self._general.areas

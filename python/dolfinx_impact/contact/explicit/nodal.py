@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Contact in explicit dynamics: slave nodes against the master's surface; docs/explicit/penalty.md."""
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from mpi4py import MPI
@@ -12,6 +12,7 @@ from ...common.arguments import integer
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
+from ...interface.friction_law import FrictionLaw
 from ..output import ContactOutput
 from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
@@ -117,6 +118,8 @@ class NodalPair(ContactOutput):
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         if pair.rigid and options.get("balanced"):
             raise ValueError(f"{pair.name}: contact with a rigid master has one direction, it cannot be balanced")
+        if cpp_class is _cpp.nodal.NodePenalty:
+            pair.constant_friction("Penalty")
         if cpp_class is _cpp.nodal.KinematicContact:
             pair.refuse_rigid_body("kinematic contact")
         slave, master = pair.surfaces(V)
@@ -132,9 +135,9 @@ class NodalPair(ContactOutput):
         by_class = {**options, "by_step": by_step} if cpp_class is _cpp.nodal.NodePenalty else dict(options)
         if cpp_class is _cpp.nodal.NodeLaw:
             by_class["law"] = options["law"].in_cpp(V)
-            self.parameters = {**options, "law": repr(options["law"])}
+            self.parameters = {**options, "law": options["law"].identity(self.gdim)}
         self._cpp_object = self._make(**by_class)
-        self._sides = self._cpp_object.directions
+        self._sides = cast(list[_cpp.nodal.NodeToSurface], self._cpp_object.directions)
         self.initial = self._sides[0].initial
         self._tell_of_penetration()
         self.nodes, self.weight = self._sides[0].nodes, self._sides[0].areas
@@ -168,12 +171,14 @@ class NodalPair(ContactOutput):
         """Make the C++ contact of this pair in one or both directions, of the options of its class. Collective."""
         pair = self.pair
         options |= dict(
-            friction=pair.friction,
+            friction=0.0 if isinstance(pair.friction, FrictionLaw) else pair.friction,
             search_distance=pair.search_distance or 0.0,
             axisymmetric=self.problem.axisymmetric,
             name=pair.name,
             adjustment=pair.adjustment,
         )
+        if self.kinematic and isinstance(pair.friction, FrictionLaw):
+            options["friction_law"] = pair.friction.in_cpp(self.V)
         slave, master = self._surfaces
         if balanced:
             assert isinstance(master, _cpp.surface.Facets)  # rigid masters were refused

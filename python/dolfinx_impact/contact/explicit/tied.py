@@ -7,6 +7,7 @@ import numpy as np
 from mpi4py import MPI
 
 from ... import _cpp
+from ...amplitude import Amplitude
 from ...common.types import FloatArray, IntArray
 from ..nodal_sum import NodalSum
 from ..output import ContactOutput
@@ -34,10 +35,11 @@ class ExplicitTie(ContactOutput):
     """
 
     initial = None
-    motion = None
+    motion: Amplitude | None = None
     kind = "tie"
     stored = penetration_share = 0.0
     kinematic = True
+    body = None
     is_penalty = False
     nodes: IntArray
     weight: FloatArray

@@ -45,9 +45,10 @@ class QuadraturePenalty(StaticContactView):
             if value is not None:
                 setattr(parameters, name, value)
         if law is not None:
-            self.options = {**options, "law": repr(law)}
             parameters.law = law.in_cpp(V)
-        parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
+            self.options = {**options, "law": law.identity(self.gdim)}
+        parameters.friction = pair.constant_friction("Penalty")
+        parameters.axisymmetric = problem.axisymmetric
         parameters.search_distance, parameters.adjustment = pair.search_distance or 0.0, pair.adjustment
         owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
 
