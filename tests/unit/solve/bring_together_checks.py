@@ -85,6 +85,8 @@ def check_a_block_falls_on_what_bears_it():
     cases += [(2, False, "axisymmetric"), (2, True, "axisymmetric")]
     for k, method in enumerate(METHODS):
         for j, (dim, master, hypothesis) in enumerate(cases):
+            if method == "saddle point" and not master:
+                continue  # against planes multipliers are nodal, and condensed
             if (k + j) % 3 == 0 or (method, dim) == ("multipliers", 2):
                 tower = Tower(dim, 1, 0.3, method, master, hypothesis=hypothesis)
                 touching = Tower(dim, 1, 0.0, method, master, hypothesis=hypothesis)

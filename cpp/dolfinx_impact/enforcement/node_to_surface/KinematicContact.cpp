@@ -154,7 +154,7 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
     // A node that sticks at a distance, within layers of the surfaces, turns with the facet: that is no slip.
     double* turn = _turn.data() + q * D;
     std::fill_n(turn, D, 0.0);
-    if (corrects_moments() && _options.friction > 0.0)
+    if (corrects_moments() && _options.has_friction())
       _moment_corrections[q].add_rotation<D>(
           _num_masters, _arms.data() + q * _num_masters * D,
           [&](int j, int c) { return _tracker.masters()[point.corners[j]].du[c]; }, turn);
