@@ -84,8 +84,8 @@ public:
   std::vector<Vec<double>> moment_forces(const Vec<double>& f, const Vector& u, std::int64_t node,
                                          const Meeting& m) const;
   void add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node, const Meeting& m) const;
-  /// What the facet's rotation moves the slave node by, as if it were fixed to it, more than the master's point; none if
-  /// no moment is cancelled.
+  /// What the facet's rotation moves the slave node by, as if it were fixed to it, more than the master's point; none
+  /// if no moment is cancelled.
   Vec<double> carried(const Vector& motion, const Vector& u, std::int64_t node, const Meeting& m) const;
 
 private:

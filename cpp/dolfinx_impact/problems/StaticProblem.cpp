@@ -115,8 +115,7 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
   if (!_rigid_bodies.empty())
   {
     RigidEquilibrium rigid(_equilibrium, _rigid_bodies, events.log);
-    return steps.run([&](std::span<const double> goal) { return rigid.run(solver, goal); },
-                     limits);
+    return steps.run([&](std::span<const double> goal) { return rigid.run(solver, goal); }, limits);
   }
   return steps.run(solver, limits);
 }

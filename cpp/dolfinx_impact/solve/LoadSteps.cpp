@@ -99,9 +99,9 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
   std::vector<std::int8_t> closed;
   for (const auto& contact : _problem->contacts)
     closed.push_back(contact->num_active() > 0);
-  std::vector<double> good(_start);                                        // of the last converged increment
-  std::vector<double> from(_start);                                        // where the increment begins
-  bool brings = options.brings_together && !_problem->contacts.empty();    // in this increment
+  std::vector<double> good(_start);                                     // of the last converged increment
+  std::vector<double> from(_start);                                     // where the increment begins
+  bool brings = options.brings_together && !_problem->contacts.empty(); // in this increment
   while (done < 1.0 - 1e-12)
   {
     double fraction = std::min(done + width, 1.0);

@@ -20,14 +20,14 @@ namespace dolfinx_impact::solve
 {
 namespace
 {
-constexpr double touching = 1e-9;   ///< of the bodies' size: gaps that count as closed
-constexpr double probe = 1e-6;      ///< of the bodies' size: motion whose differences tell the rates of gaps
-constexpr double slow = 1e-5;       ///< rate of a gap per motion, or part of a mode, that counts as none
-constexpr double unloaded = 1e-8;   ///< of the forces' products with a motion: less is round-off
-constexpr double farthest = 10.0;   ///< sizes of the bodies that they are moved by at most
-constexpr int most_motions = 50;    ///< from one contact to the next
-constexpr int most_parts = 2000;    ///< of one of them: gaps bound each from below
-constexpr int deepest = 24;         ///< doublings of the overlap that a law of the interface needs to act
+constexpr double touching = 1e-9; ///< of the bodies' size: gaps that count as closed
+constexpr double probe = 1e-6;    ///< of the bodies' size: motion whose differences tell the rates of gaps
+constexpr double slow = 1e-5;     ///< rate of a gap per motion, or part of a mode, that counts as none
+constexpr double unloaded = 1e-8; ///< of the forces' products with a motion: less is round-off
+constexpr double farthest = 10.0; ///< sizes of the bodies that they are moved by at most
+constexpr int most_motions = 50;  ///< from one contact to the next
+constexpr int most_parts = 2000;  ///< of one of them: gaps bound each from below
+constexpr int deepest = 24;       ///< doublings of the overlap that a law of the interface needs to act
 
 /// The free rigid motions of bodies, and what loads and closed contacts do to them. Coordinates of a motion are those
 /// of the modes that supports leave.

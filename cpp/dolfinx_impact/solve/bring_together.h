@@ -8,7 +8,7 @@ namespace dolfinx_impact::solve
 /// What has become of bodies that only contact can hold.
 struct Approach
 {
-  std::string moved;   ///< which bodies moved, how far, and what they touch, in words; empty: nothing was moved
+  std::string moved;    ///< which bodies moved, how far, and what they touch, in words; empty: nothing was moved
   std::string obstacle; ///< why nothing was moved though bodies are free and apart, in words; may be empty
 };
 

@@ -360,6 +360,7 @@ class MortarOptions:
         axisymmetric: bool = False,
         adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
         may_share_nodes: bool = True,
+        friction_law: dolfinx_impact._cpp.enforcement.FrictionLaw | None = None,
     ) -> None: ...
     @property
     def name(self) -> str: ...

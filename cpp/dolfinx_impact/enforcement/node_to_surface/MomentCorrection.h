@@ -84,8 +84,8 @@ struct MomentCorrection
     if constexpr (D == 2)
     {
       double spin = 0.0;
-      for_nodes(num, [&](int j)
-                { spin += inverse[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0)); });
+      for_nodes(num,
+                [&](int j) { spin += inverse[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0)); });
       motion[0] -= spin * e[1];
       motion[1] += spin * e[0];
     }

@@ -11,10 +11,10 @@ namespace dolfinx_impact::enforcement
 /// Where the force of the last step on a slave's node acts on the master.
 struct LastForce
 {
-  std::int64_t facet = -1;                               ///< id; -1: none, or not known
+  std::int64_t facet = -1;                                ///< id; -1: none, or not known
   std::int32_t corners[surface::FacetElement::max_nodes]; ///< numbers of the facet's nodes
-  double phi[surface::FacetElement::max_nodes];          ///< shape functions at the point [1]
-  double turn[3 * surface::FacetElement::max_nodes];     ///< moment correction, [j*gdim + c] [F]
+  double phi[surface::FacetElement::max_nodes];           ///< shape functions at the point [1]
+  double turn[3 * surface::FacetElement::max_nodes];      ///< moment correction, [j*gdim + c] [F]
 };
 
 /// Explicit contact by a law of the interface: tractions at slave nodes times their areas, docs/interface_laws.md.

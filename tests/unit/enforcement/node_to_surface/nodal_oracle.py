@@ -143,7 +143,11 @@ class Oracle:
                 if not begins:  # a node that has not come out through the surface loses what is stored
                     through = p["facet"][q] >= 0 and not self.barred[i]
                     n = n if through else np.zeros(self.dim)
-                    change, step = (moved(g, spring.gap, step), across(step - turning, n)) if through else (0.0, np.zeros(self.dim))
+                    change, step = (
+                        (moved(g, spring.gap, step), across(step - turning, n))
+                        if through
+                        else (0.0, np.zeros(self.dim))
+                    )
                     self.lost += spring.leave(change)
                     self.dissipated += spring.leave_friction(turn(self.t[i], n), step)
                 self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
