@@ -111,13 +111,13 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
   target.scatter_fwd();
   solve::LoadSteps steps(_equilibrium, {target.array().begin(), target.array().end()}, _loads, _obstacles, events);
   const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
+  const solve::LoadStepOptions limits{options.steps, options.cut_backs.value_or(several), options.brings_together};
   if (!_rigid_bodies.empty())
   {
     RigidEquilibrium rigid(_equilibrium, _rigid_bodies, events.log);
-    return steps.run([&](std::span<const double> goal) { return rigid.run(solver, goal); },
-                     {options.steps, options.cut_backs.value_or(several)});
+    return steps.run([&](std::span<const double> goal) { return rigid.run(solver, goal); }, limits);
   }
-  return steps.run(solver, {options.steps, options.cut_backs.value_or(several)});
+  return steps.run(solver, limits);
 }
 
 void StaticProblem::resume()
