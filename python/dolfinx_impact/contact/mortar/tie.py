@@ -100,6 +100,11 @@ class Tie(Fixed):
         more += "" if self.basis == "dual" else f", basis={self.basis!r}"
         return f"Tie({self.pair!r}{more})"
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """What was given beside the pair, by name."""
+        return {name: getattr(self, name) for name in ("directions", "partial", "basis", "quadrature_degree")}
+
     def options_in_cpp(self, axisymmetric: bool) -> _cpp.multipliers.TieOptions:
         """Options of the tie in C++.
 
@@ -165,7 +170,7 @@ class Tie(Fixed):
 
     def _bind_explicit(self, problem: ExplicitContactProblem) -> ExplicitTie:
         surfaces = self.surfaces(problem.space)
-        return ExplicitTie(self.pair, problem, self.options_in_cpp(problem.axisymmetric), surfaces)
+        return ExplicitTie(self.pair, problem, self.options, self.options_in_cpp(problem.axisymmetric), surfaces)
 
 
 class TieContact(StaticContactView):
@@ -208,8 +213,7 @@ class TieContact(StaticContactView):
 
     @property
     def options(self) -> dict[str, Any]:
-        spec = self.spec
-        return {"directions": spec.directions, "basis": spec.basis, "quadrature_degree": spec.quadrature_degree}
+        return self.spec.options
 
     def facets(self) -> tuple[Any, Any]:
         return self._surfaces
