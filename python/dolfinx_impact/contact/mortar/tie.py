@@ -48,9 +48,8 @@ class Tie(Fixed):
             are those of the reference configuration.
         partial: leave slave nodes without a master free; else they are an error that names them.
         quadrature_degree: of the integrals over segments; None: exact on flat, affine facets.
-        basis: of the tractions in static and implicit problems: "dual" is condensed; "standard" and "linear" stay in
-            the system, as of Lagrange. On triangular facets of degree 2 the dual one has tractions that are constant
-            only, and "linear" has the order of the displacements.
+        basis: of the tractions: "dual" is condensed in static and implicit problems; "standard" and "linear" stay in
+            the system there, as of Lagrange. "linear" has multipliers at the corners of facets alone.
 
     Raises:
         TypeError: not a ContactPair.

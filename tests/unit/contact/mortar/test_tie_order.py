@@ -63,5 +63,7 @@ def test_the_order_of_convergence_in_space(cell, degree, basis):
     sizes = (2, 4) if degree == 2 else (3, 6)
     errors = [(tied(cell, degree, n, basis), alone(cell, degree, n)) for n in sizes]
     orders = np.log2(np.array(errors[0]) / errors[1])
-    print(cell, degree, basis, errors, orders)
-    assert orders[0] > orders[1] - 0.05
+    # Measured, tied and in one mesh: 1.004 and 1.002, 1.998 and 1.995, 0.997 and 0.996, 1.977 and 1.980; with
+    # multipliers at corners alone 1.90, as supports leave out those all around the joint.
+    assert orders[0] > orders[1] - (0.01 if basis == "dual" else 0.1), (errors, orders)
+    assert errors[1][0] < 1.1 * errors[1][1]  # half of the cells are finer
