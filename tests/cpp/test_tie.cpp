@@ -232,8 +232,8 @@ TEST_CASE("a tie refuses what does not fit")
   CHECK_THROWS_AS(tie.forces(std::vector<double>(3)), std::invalid_argument);
   CHECK_THROWS_AS(TieSystem({&tie}, std::vector<double>(3)), std::invalid_argument);
   const std::vector<std::int8_t> none(ring.size, 0);
-  Tie one(ring.V, ring.slave, ring.master, {.name = "one"}, none), two(ring.V, ring.slave, ring.master, {.name = "two"},
-                                                                     none);
+  Tie one(ring.V, ring.slave, ring.master, {.name = "one"}, none),
+      two(ring.V, ring.slave, ring.master, {.name = "two"}, none);
   Tie back(ring.V, ring.master, ring.slave, {.name = "back"}, none);
   CHECK_THROWS_WITH(connect(std::vector{&one, &two}, {}), ContainsSubstring("tie the same surfaces twice"));
   CHECK_THROWS_WITH(connect(std::vector{&one, &back}, {}), ContainsSubstring("the slave of each is the master"));

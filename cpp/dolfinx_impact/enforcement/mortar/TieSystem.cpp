@@ -205,8 +205,8 @@ void TieSystem::factorise(Mat S)
     }
     check(MatDestroy(&part), "a block is destroyed");
     if (!error.empty())
-      throw std::runtime_error("the conditions of the ties imply each other: leave common nodes out of one of the tags (" +
-                               error + ")");
+      throw std::runtime_error(
+          "the conditions of the ties imply each other: leave common nodes out of one of the tags (" + error + ")");
   }
 }
 

@@ -60,7 +60,7 @@ def check_kinematic_contact_at_nodes_of_a_tie():
         for contact in (di.Kinematic, di.Penalty):
             m = halves(dim)
             problem = di.ExplicitProblem(m.u, m.law, velocity=falling(m), contact=[contact(m.pair), m.tie])
-            before, impulse, time, step = momentum(m, problem), 0.0, 0.0, 4e-3
+            before, step = momentum(m, problem), 4e-3
             for k in range(1, 16):
                 problem.advance(until=k * step, progress=False)
                 jump = problem.contact[1].tie.conditions.jump(m.u.x.array[: m.V.dofmap.index_map.size_local * dim])
