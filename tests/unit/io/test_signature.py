@@ -136,6 +136,8 @@ class Made:
 
     def problem(self):
         b, contact = body(), self.changes.get("contact", self.chosen.get("contact", di.Penalty))
+        if self.changes.get("exact"):
+            contact = di.Kinematic if self.integrator is EXPLICIT else di.Lagrange
         pair = self.of(
             di.ContactPair, facet_tags=b.facets, slave=b.slave_surface, master=self.master(),
             friction=0.0 if contact is di.Tie else 0.3, search_distance=0.9, smooth=self.changes.get("smooth", False),
@@ -166,6 +168,12 @@ def pressed(stiffness, power=lambda gap: -gap):
 
     law = di.InterfaceLaw(pressure, parameters={"stiffness": stiffness}, reach=0.1)
     return {di.ContactPair: {"friction": 0.0}, di.Penalty: {"law": law}}
+
+
+def rubbed(power):
+    """Friction by a law, in a method that takes it: changes of the pair."""
+    law = di.FrictionLaw(lambda pressure, parameters: parameters.mu / (1 + pressure) ** power, parameters={"mu": 0.3})
+    return {di.ContactPair: {"friction": law}, "exact": True}
 
 
 STATE = "state: the checkpoint has it"
@@ -258,6 +266,7 @@ MORE = {
     ),
     "a tie instead of a contact": ({}, {}, {"contact": di.Tie}, "contact"),
     "a law of the interface": ({}, pressed(1e3), pressed(1e3, lambda gap: -gap**3), "contact.0..law"),
+    "a law of friction": ({}, rubbed(1), rubbed(2), "contact.0..pair.friction"),
     "parameters of a law of the interface": ({}, pressed(1e3), pressed(2e3), "contact.0..law"),
 }  # fmt: skip
 
@@ -316,7 +325,7 @@ def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results; laws of the
     interface, whose rows are in MORE; rigid bodies and general contact, whose own tests restore them."""
     others = {
-        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "GeneralContact", "InterfaceLaw",
+        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "FrictionLaw", "GeneralContact", "InterfaceLaw",
         "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidBody", "RigidSurface",
         "RollingProblem", "Spin", "StaticProblem", "Tangent", "Translation", "Units",
     }  # fmt: skip
