@@ -148,15 +148,9 @@ class JointModel:
 
     def _ties(self) -> list[Tie]:
         """Ties of the parts that are meshed apart: the softer ones, of larger cells, are slaves."""
-        sides = {
-            "none": (),
-            "bars": (("bars", "bar_face", "web"),),
-            "all": (
-                ("bars", "bar_face", "web"),
-                ("end post left", "post_left", "joint_left"),
-                ("end post right", "post_right", "joint_right"),
-            ),
-        }[self.data.tied]
+        bars = ("bars", "bar_face", "web")
+        posts = [("end post left", "post_left", "joint_left"), ("end post right", "post_right", "joint_right")]
+        sides = {"none": [], "bars": [bars], "all": [bars, *posts]}[self.data.tied]
         tags = self.tags
         return [Tie(ContactPair(self.facet_tags, tags[s], tags[m], name=name)) for name, s, m in sides]
 
