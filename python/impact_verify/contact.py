@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Level contact: gaps, forces, tangents and mortar integrals on random facing patches, then whole solutions, of ties
-too."""
+too, and contact without pairs."""
 
 import numpy as np
 
-from . import contact_patch, contact_static, interface_laws, tied
+from . import contact_patch, contact_static, general, interface_laws, tied
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -35,6 +35,7 @@ def run(report: Report, progress: bool = True) -> None:
     contact_static.run(report)
     interface_laws.run(report)
     tied.run(report)
+    general.run(report)
 
 
 def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_degree: int, seed: int = 1) -> None:
