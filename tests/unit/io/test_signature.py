@@ -143,7 +143,10 @@ class Made:
         contact = self.chosen.get("contact", di.Penalty)
         u, velocity = fem.Function(b.V), fem.Function(b.V)
         velocity.x.array.reshape(-1, 2)[:, 1] = -0.5
-        given = {"u": u, "velocity": velocity, "contact": [self.of(contact, pair=pair)]}
+        surfaces = {"pair": pair}
+        if contact is di.GeneralContact:
+            surfaces = {"facet_tags": b.facets, "tags": (b.slave_surface, b.master_surface, b.top), "friction": 0.3}
+        given = {"u": u, "velocity": velocity, "contact": [self.of(contact, **surfaces)]}
         given |= {"bcs": [self.of(di.PrescribedMotion, bc=b.held[0], amplitude=lambda t: t)]}
         if self.chosen.get("residual"):
             one, which = self.changes.get("form", (1.0, 0))
@@ -216,6 +219,10 @@ ROWS = {
         "quadrature_degree": 3, "balanced": True, "max_augmentations": 9, "law": ELSEWHERE,
     }),
     di.Kinematic: ({"contact": di.Kinematic}, {"pair": ELSEWHERE, "sweeps": 2}),
+    di.GeneralContact: ({"contact": di.GeneralContact}, {
+        "facet_tags": lambda b: b.fewer_below, "tags": lambda b: (b.slave_surface, b.master_surface), "friction": 0.2,
+        "name": NO_MATTER,
+    }),
     di.RigidPlane: ({"master": di.RigidPlane}, {"point": (0.0, 0.48), "normal": (0.01, 1.0)}),
     di.RigidSphere: ({"master": di.RigidSphere}, {"center": (0.8, -9.5), "radius": 9.9}),
     di.RigidCylinder: ({"master": di.RigidCylinder}, {"center": (0.8, -9.5), "radius": 9.9, "axis": (0.0, 0.0, -1.0)}),
@@ -291,7 +298,7 @@ def checkpoint(tmp_path_factory):
 
 def takes(integrator, kind, name):
     """Whether problems of an integrator take an argument of a class."""
-    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
+    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, di.GeneralContact: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
     static = kind is di.Penalty and name in (
         "tangential", "augmented", "quadrature_degree", "tolerance", "max_augmentations",
     )  # fmt: skip
@@ -308,9 +315,9 @@ def test_every_argument_has_a_row(kind):
 
 def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results; laws of the
-    interface, whose rows are in MORE; ties, rigid bodies and general contact, whose own tests restore them."""
+    interface, whose rows are in MORE; ties and rigid bodies, whose own tests restore them."""
     others = {
-        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "GeneralContact", "InterfaceLaw",
+        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "InterfaceLaw",
         "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidBody", "RigidSurface",
         "RollingProblem", "Spin", "StaticProblem", "Tangent", "Tie", "Translation", "Units",
     }  # fmt: skip
