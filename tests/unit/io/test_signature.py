@@ -144,7 +144,10 @@ class Made:
         )  # fmt: skip
         u, velocity = fem.Function(b.V), fem.Function(b.V)
         velocity.x.array.reshape(-1, 2)[:, 1] = -0.5
-        given = {"u": u, "velocity": velocity, "contact": [self.of(contact, pair=pair)]}
+        surfaces = {"pair": pair}
+        if contact is di.GeneralContact:
+            surfaces = {"facet_tags": b.facets, "tags": (b.slave_surface, b.master_surface, b.top), "friction": 0.3}
+        given = {"u": u, "velocity": velocity, "contact": [self.of(contact, **surfaces)]}
         given |= {"bcs": [self.of(di.PrescribedMotion, bc=b.held[0], amplitude=lambda t: t)]}
         if self.chosen.get("residual"):
             one, which = self.changes.get("form", (1.0, 0))
@@ -226,6 +229,10 @@ ROWS = {
     di.Tie: ({"contact": di.Tie}, {
         "pair": ELSEWHERE, "directions": "normal", "partial": True, "quadrature_degree": 3, "basis": "standard",
     }),
+    di.GeneralContact: ({"contact": di.GeneralContact}, {
+        "facet_tags": lambda b: b.fewer_below, "tags": lambda b: (b.slave_surface, b.master_surface), "friction": 0.2,
+        "name": NO_MATTER,
+    }),
     di.RigidPlane: ({"master": di.RigidPlane}, {"point": (0.0, 0.48), "normal": (0.01, 1.0)}),
     di.RigidSphere: ({"master": di.RigidSphere}, {"center": (0.8, -9.5), "radius": 9.9}),
     di.RigidCylinder: ({"master": di.RigidCylinder}, {"center": (0.8, -9.5), "radius": 9.9, "axis": (0.0, 0.0, -1.0)}),
@@ -306,7 +313,7 @@ def checkpoint(tmp_path_factory):
 
 def takes(integrator, kind, name):
     """Whether problems of an integrator take an argument of a class."""
-    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
+    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, di.GeneralContact: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
     static = kind is di.Penalty and name in (
         "tangential", "augmented", "quadrature_degree", "tolerance", "max_augmentations",
     )  # fmt: skip
@@ -323,9 +330,9 @@ def test_every_argument_has_a_row(kind):
 
 def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results; laws of the
-    interface, whose rows are in MORE; rigid bodies and general contact, whose own tests restore them."""
+    interface, whose rows are in MORE; rigid bodies, whose own tests restore them."""
     others = {
-        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "FrictionLaw", "GeneralContact", "InterfaceLaw",
+        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "FrictionLaw", "InterfaceLaw",
         "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidBody", "RigidSurface",
         "RollingProblem", "Spin", "StaticProblem", "Tangent", "Translation", "Units",
     }  # fmt: skip
