@@ -368,9 +368,14 @@ void bind_supports(nb::module_& m)
       .def(
           "__init__",
           [](ContactInTime* self, const dolfinx_impact::enforcement::NodalPair& contact, std::string name,
-             const std::optional<Values>& start, std::shared_ptr<RigidBodyInTime> body)
-          { new (self) ContactInTime{contact, std::move(name), from_table(start), std::move(body)}; },
-          nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("body").none() = nb::none());
+             const std::optional<Values>& start, std::shared_ptr<RigidBodyInTime> body,
+             const std::optional<Values>& rotation)
+          {
+            new (self)
+                ContactInTime{contact, std::move(name), from_table(start), std::move(body), from_table(rotation)};
+          },
+          nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("body").none() = nb::none(),
+          nb::arg("rotation").none() = nb::none());
 }
 
 void bind_explicit(nb::module_& m)

@@ -63,9 +63,10 @@ void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<
   _fields.halo->forward(_fields.inverse, _fields.bs);
 }
 
-void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns)
+void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns,
+                                    std::array<int, 3> rotation)
 {
-  _contact.add(std::move(pair), columns);
+  _contact.add(std::move(pair), columns, rotation);
 }
 
 void CentralDifference::add_rigid_body_contact(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ContactForces.h"
+#include "../gap/rotation.h"
 #include "../common/Stopwatch.h"
 #include <algorithm>
 #include <stdexcept>
@@ -14,7 +15,7 @@ namespace
 constexpr std::size_t sums_of_body = 12; ///< force and its moment
 }
 
-void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
+void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns, std::array<int, 3> rotation)
 {
   std::vector<enforcement::SpringForces*> springs;
   std::vector<enforcement::KinematicContact*> kinematic;
@@ -38,7 +39,9 @@ void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
     _kinematic_step.add(contact);
   for (enforcement::ExplicitTie* tie : ties)
     _tie_step.add(tie);
-  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, {}, nullptr});
+  if (rotation[0] >= 0 && springs.empty())
+    throw std::invalid_argument("a rigid master that turns as prescribed needs SpringForces");
+  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, rotation, {}, nullptr});
   _search_due = true;
 }
 
@@ -125,24 +128,40 @@ void ContactForces::move_obstacles(const double* amplitudes, bool first)
 {
   for (Pair& pair : _pairs)
   {
-    if (pair.columns[0] < 0)
+    if (pair.columns[0] < 0 && pair.rotation[0] < 0)
       continue;
     Obstacle& o = pair.obstacle;
-    std::array<double, 3> displacement{};
-    for (int k = 0; k < 3; ++k)
+    std::array<double, 3> displacement = o.displacement;
+    for (int k = 0; k < 3 && pair.columns[0] >= 0; ++k)
       displacement[k] = amplitudes[pair.columns[k]];
+    if (pair.rotation[0] >= 0)
+    {
+      const std::array<double, 3> angle{amplitudes[pair.rotation[0]], amplitudes[pair.rotation[1]],
+                                        amplitudes[pair.rotation[2]]};
+      const gap::Quaternion before = gap::quaternion_of(o.angle), after = gap::quaternion_of(angle);
+      o.turn = first ? gap::Matrix3{} : gap::turn_of(gap::product(after, gap::inverse(before)));
+      o.angle = angle;
+    }
     o.increment_before = o.increment;
     for (int k = 0; k < 3; ++k)
       o.increment[k] = first ? 0.0 : displacement[k] - o.displacement[k];
     o.displacement = displacement;
     for (const auto& direction : pair.contact.directions())
-      direction->set_obstacle({.displacement = o.displacement, .increment = o.increment});
+      direction->set_obstacle(motion_of(pair));
   }
   if (!first || _bodies.empty())
     return;
   for (const Body& b : _bodies)
     b.body->begin();
   place_bodies();
+}
+
+gap::RigidMotion ContactForces::motion_of(const Pair& pair) const
+{
+  const Obstacle& o = pair.obstacle;
+  if (pair.rotation[0] < 0)
+    return {.displacement = o.displacement, .increment = o.increment};
+  return {o.displacement, o.increment, true, gap::matrix_of(gap::quaternion_of(o.angle)), o.turn};
 }
 
 void ContactForces::place_bodies()
@@ -255,12 +274,19 @@ double ContactForces::largest_position() const
   return largest;
 }
 
-double ContactForces::half_work(const Pair& pair, const std::array<double, 3>& increment, int bs)
+double ContactForces::half_work(const Pair& pair, const std::array<double, 3>& increment, const gap::Matrix3& turn,
+                                int bs)
 {
   const std::array<double, 3> force = pair.contact.force();
   double work = 0.0;
   for (int k = 0; k < bs; ++k)
     work += 0.5 * increment[k] * force[k];
+  if (pair.rotation[0] >= 0)
+  {
+    const gap::Matrix3 moment = pair.contact.force_moment();
+    for (int k = 0; k < 9; ++k)
+      work += 0.5 * turn[k] * moment[k];
+  }
   return work;
 }
 
@@ -283,7 +309,14 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
   for (const Pair& pair : _pairs)
     if (!pair.body)
-      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+    {
+      // The arms of the forces before the step are turned by it.
+      gap::Matrix3 ahead;
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          ahead[3 * a + b] = -pair.obstacle.turn[3 * b + a];
+      _obstacle_work += half_work(pair, pair.obstacle.increment, ahead, fields.bs);
+    }
   _obstacle_work += _tie_step.support_work_after();
   _half_obstacle_work = _obstacle_work;
   if (!_search_due)
@@ -302,7 +335,7 @@ void ContactForces::evaluate(NodalFields& fields)
     springs->add_forces(state(), _nodes.springs);
   for (const Pair& pair : _pairs)
     if (!pair.corrects && !pair.body)
-      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+      _obstacle_work += half_work(pair, pair.obstacle.increment, pair.obstacle.turn, fields.bs);
   const ContactNodes::Products products = _nodes.add_springs(fields);
   _position = products.position;
   _work.before = 0.5 * products.work;
@@ -347,7 +380,7 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   }
   for (const Pair& pair : _pairs)
     if (pair.corrects)
-      _obstacle_work += half_work(pair, pair.obstacle.increment_before, fields.bs);
+      _obstacle_work += half_work(pair, pair.obstacle.increment_before, {}, fields.bs);
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
     for (int c = 0; c < bs; ++c)
@@ -459,7 +492,7 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   {
     _pairs[k].obstacle = obstacles[k];
     for (const auto& direction : _pairs[k].contact.directions())
-      direction->restore_obstacle({.displacement = obstacles[k].displacement, .increment = obstacles[k].increment});
+      direction->restore_obstacle(motion_of(_pairs[k]));
   }
   for (std::size_t i = 0; i < _bodies.size(); ++i)
     _bodies[i].body->state() = bodies[i];

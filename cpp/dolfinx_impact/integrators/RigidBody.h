@@ -2,6 +2,7 @@
 #pragma once
 #include "../gap/RigidMotion.h"
 #include "../state/State.h"
+#include "RigidInertia.h"
 #include "energy.h"
 #include <array>
 #include <string>
@@ -109,31 +110,20 @@ public:
 
   /// Is the translation, are all components of the spin fixed?
   bool translates() const;
-  bool rotates() const { return _rotation != Rotation::fixed; }
+  bool rotates() const { return _inertia.rotates(); }
   /// Upper bound of what a unit force accelerates the body by, at a point at a distance from the centre [1/M].
   double mobility(double arm) const;
 
 private:
-  enum class Rotation
-  {
-    fixed, ///< with constant spin
-    free,
-    partly ///< some components are zero
-  };
   std::array<double, 3> force() const;
   std::array<double, 3> torque() const;
-  std::array<double, 3> spin_of(const std::array<double, 3>& momentum, const std::array<double, 4>& rotation) const;
-  gap::Matrix3 inertia_at(const std::array<double, 4>& rotation) const;
   double kinetic(const RigidBodyState& at, const std::array<double, 3>& momentum,
                  const std::array<double, 3>& angular) const;
   void rotate(double dt);
   double half_work(const RigidBodyState& motion) const;
 
   RigidBodyOptions _options;
-  Rotation _rotation = Rotation::free;
-  std::array<double, 3> _moments{};             ///< principal; the first two are those that differ least [M L^2]
-  std::array<std::array<double, 3>, 3> _axes{}; ///< principal axes at the start, right-handed [1]
-  double _least = 0.0;                          ///< least principal moment [M L^2]
+  RigidInertia _inertia;
   RigidBodyState _now;
   std::array<double, 3> _load{}, _load_torque{};
   Energies _energies;

@@ -77,13 +77,14 @@ std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBo
     out.add_load(load.dofs, load.values, load.amplitude ? column++ : -1);
   for (const ContactInTime& c : contacts)
   {
-    if (c.motion && c.body)
+    if ((c.motion || c.rotation) && c.body)
       throw std::invalid_argument(c.name + ": a rigid body moves by forces, not as a function of time");
     const auto columns = add_vector(problem.functions(), c.motion, c.name + ": the motion of a rigid master");
+    const auto rotation = add_vector(problem.functions(), c.rotation, c.name + ": the rotation of a rigid master");
     if (c.body)
       out.add_rigid_body_contact(c.contact, in_integrator(c.body));
     else
-      out.add_contact(c.contact, columns);
+      out.add_contact(c.contact, columns, rotation);
   }
   for (const auto& rigid : bodies_of(contacts))
   {

@@ -195,7 +195,7 @@ class RigidSurface(_Rigid):
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         if gdim != self._gdim:
             raise ValueError(f"the rigid surface has {self._gdim} dimensions, the mesh {gdim}")
-        return _cpp.gap.Rigid(self._shape)
+        return self._turning(_cpp.gap.Rigid(self._shape), gdim)
 
 
 def _axes(normal: FloatArray) -> FloatArray:
