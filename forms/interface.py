@@ -20,7 +20,7 @@ that are zero have no output.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, Protocol
@@ -89,9 +89,35 @@ class InterfaceResponse(Protocol):
         ...
 
 
-def _plain(expression: Any) -> Any:
-    """An expression without derivatives and variables."""
+def plain(expression: Any) -> Any:
+    """An expression without derivatives and variables.
+
+    Args:
+        expression: UFL.
+    """
     return strip_variables(expand_derivatives(expression))
+
+
+def check_inputs(expressions: Iterable[Any], functions: Iterable[Any], constants: Iterable[Any]) -> None:
+    """Refuse functions and constants in expressions that are no inputs of a law.
+
+    Args:
+        expressions: of the law.
+        functions: that are inputs.
+        constants: that are parameters.
+
+    Raises:
+        ValueError: an expression contains another one.
+    """
+    functions, constants = list(functions), list(constants)
+    for e in expressions:
+        for c in ufl.algorithms.extract_coefficients(e):
+            if c not in functions:
+                name = getattr(c, "name", str(c))
+                raise ValueError(f"the law contains the function {name}: give it in `fields`, by a name")
+        for c in ufl.algorithms.analysis.extract_constants(e):
+            if c not in constants:
+                raise ValueError("the law contains a constant of a mesh: give its value in `parameters`, by a name")
 
 
 class InterfaceForm:
@@ -144,15 +170,16 @@ class InterfaceForm:
         outputs = self._outputs(update, inputs | {f"history {n}": c for n, c in tangential.items()}, unknown)
         outputs |= self._history(update, shapes)
         # Variables have numbers that count up through a process, with which the same law had another signature.
-        outputs = {name: _plain(value) for name, value in outputs.items()}
-        self._check(outputs, update, known)
+        outputs = {name: plain(value) for name, value in outputs.items()}
+        local = [ufl.as_ufl(e) for e in (update.residual, update.start, update.scale) if e is not None]
+        check_inputs([*outputs.values(), *local], known.values(), self.parameters.values())
         self.point_law = PointLaw(
             outputs=outputs | ({} if unknown is None else {UNKNOWN: unknown}),
             history=history,
             unknown=unknown,
-            residual=None if unknown is None else _plain(ufl.as_ufl(update.residual)),
-            start=None if unknown is None else _plain(ufl.as_ufl(update.start)),
-            scale=_plain(ufl.as_ufl(update.scale)),
+            residual=None if unknown is None else plain(ufl.as_ufl(update.residual)),
+            start=None if unknown is None else plain(ufl.as_ufl(update.start)),
+            scale=plain(ufl.as_ufl(update.scale)),
         )
         self.form = inputs["gap"] * ufl.dx(domain=self._mesh, degree=0)
         self.names = {c: name for name, c in {**inputs, **values}.items()}
@@ -220,16 +247,3 @@ class InterfaceForm:
             if value.ufl_shape != shapes[name]:
                 raise ValueError(f"history {name!r} is returned with shape {value.ufl_shape}, it has {shapes[name]}")
         return out
-
-    def _check(self, outputs: Mapping[str, Any], update: InterfaceUpdate, known: Mapping[str, Any]) -> None:
-        """Refuse functions and constants that are no inputs."""
-        expressions = [*outputs.values()]
-        expressions += [ufl.as_ufl(e) for e in (update.residual, update.start, update.scale) if e is not None]
-        for e in expressions:
-            for c in ufl.algorithms.extract_coefficients(e):
-                if c not in known.values():
-                    name = getattr(c, "name", str(c))
-                    raise ValueError(f"the law contains the function {name}: give it in `fields`, by a name")
-            for c in ufl.algorithms.analysis.extract_constants(e):
-                if c not in self.parameters.values():
-                    raise ValueError("the law contains a constant of a mesh: give its value in `parameters`, by a name")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "casters.h"
+#include "dolfinx_impact/enforcement/interface/FrictionLaw.h"
 #include "dolfinx_impact/enforcement/interface/InterfaceLaw.h"
 #include <algorithm>
 #include <map>
@@ -76,6 +77,23 @@ Evaluated evaluate(const InterfaceLaw& law, const std::map<std::string, Values>&
   return out;
 }
 
+FrictionCoefficients coefficients(const FrictionLaw& law, const std::map<std::string, Values>& given)
+{
+  FrictionPoints points = law.make_points(value_of(given, "pressure").size());
+  set(points.pressure, value_of(given, "pressure"), "pressure");
+  set(points.slip_rate, value_of(given, "slip_rate"), "slip_rate");
+  set(points.normal, value_of(given, "normal"), "normal");
+  for (std::size_t f = 0; f < law.fields().size(); ++f)
+  {
+    const std::string& name = law.fields()[f].name;
+    set(points.slave_fields[f], value_of(given, name + "_slave"), name);
+    set(points.master_fields[f], value_of(given, name + "_master"), name);
+  }
+  FrictionCoefficients out;
+  law.evaluate(points, out);
+  return out;
+}
+
 auto derivative(const InterfaceDerivative& d)
 {
   return copy(d.values, {d.values.size()});
@@ -107,6 +125,31 @@ void interface_law(nb::module_& m)
       .def("evaluate", &evaluate, nb::arg("values"),
            "At points: flat arrays by name: gap, slip, gap_rate, slip_rate, normal, NAME_slave and NAME_master of "
            "fields, 'history NAME' of internal variables");
+  nb::class_<FrictionLaw>(m, "FrictionLaw", "A law of friction by a kernel")
+      .def(
+          "__init__",
+          [](FrictionLaw* self, std::uintptr_t kernel, int gdim, const std::map<std::string, double>& constants,
+             const std::map<std::string, std::shared_ptr<const Function>>& fields)
+          {
+            new (self) FrictionLaw(reinterpret_cast<const impact_kernel*>(kernel), gdim, constants_of(constants),
+                                   fields_of(fields));
+          },
+          nb::arg("kernel"), nb::arg("gdim"), nb::arg("constants"), nb::arg("fields"))
+      .def("set_constant", &FrictionLaw::set_constant, nb::arg("name"), nb::arg("value"))
+      .def_prop_ro("gdim", &FrictionLaw::gdim)
+      .def_prop_ro("has_rates", &FrictionLaw::has_rates)
+      .def_prop_ro("has_pressure", &FrictionLaw::has_pressure)
+      .def("evaluate", &coefficients, nb::arg("values"),
+           "At points: flat arrays by name: pressure, slip_rate, normal, NAME_slave and NAME_master of fields");
+  nb::class_<FrictionCoefficients>(m, "FrictionCoefficients", "Coefficients of friction at points; flat copies")
+      .def_prop_ro(
+          "value", [](const FrictionCoefficients& c) { return copy(c.value, {c.value.size()}); }, nb::rv_policy::move)
+      .def_prop_ro(
+          "by_pressure", [](const FrictionCoefficients& c) { return copy(c.by_pressure, {c.by_pressure.size()}); },
+          nb::rv_policy::move, "Empty: the law does not depend on it")
+      .def_prop_ro(
+          "by_slip_rate", [](const FrictionCoefficients& c) { return copy(c.by_slip_rate, {c.by_slip_rate.size()}); },
+          nb::rv_policy::move, "(n, gdim) flat; empty: the law does not depend on it");
   nb::class_<Evaluated>(m, "InterfaceTractions", "What a law returns at points; flat copies")
       .def_prop_ro(
           "pressure", [](const Evaluated& e) { return copy(e.tractions.pressure, {e.tractions.pressure.size()}); },

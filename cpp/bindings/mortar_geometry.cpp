@@ -33,14 +33,17 @@ void dolfinx_impact::bindings::mortar_geometry(nb::module_& m)
           "__init__",
           [](MortarOptions* self, std::string name, double friction, Multipliers basis,
              std::optional<int> quadrature_degree, double search_distance, bool axisymmetric,
-             const dolfinx_impact::gap::GapAdjustment& adjustment, bool may_share_nodes)
+             const dolfinx_impact::gap::GapAdjustment& adjustment, bool may_share_nodes,
+             std::shared_ptr<const dolfinx_impact::enforcement::FrictionLaw> friction_law)
           {
             new (self) MortarOptions{std::move(name), friction,     basis,      quadrature_degree,
                                      search_distance, axisymmetric, adjustment, may_share_nodes};
+            self->friction_law = std::move(friction_law);
           },
           nb::kw_only(), nb::arg("name") = "contact", nb::arg("friction") = 0.0, nb::arg("basis") = Multipliers::dual,
           nb::arg("quadrature_degree") = nb::none(), nb::arg("search_distance") = 0.0, nb::arg("axisymmetric") = false,
-          nb::arg("adjustment") = dolfinx_impact::gap::GapAdjustment(), nb::arg("may_share_nodes") = true)
+          nb::arg("adjustment") = dolfinx_impact::gap::GapAdjustment(), nb::arg("may_share_nodes") = true,
+          nb::arg("friction_law").none() = nb::none())
       .def_ro("name", &MortarOptions::name)
       .def_ro("friction", &MortarOptions::friction)
       .def_ro("basis", &MortarOptions::basis);

@@ -112,10 +112,11 @@ void construct_law(NodeLaw* self, const FunctionSpace& V, const Facets& slave, c
 template <typename Master>
 void construct_kinematic(KinematicContact* self, const FunctionSpace& V, const Facets& slave, const Master& master,
                          double friction, int sweeps, double search_distance, bool axisymmetric, std::string name,
-                         const GapAdjustment& adjustment)
+                         const GapAdjustment& adjustment, std::shared_ptr<const FrictionLaw> law)
 {
-  new (self) KinematicContact(V, slave, master,
-                              {{friction, search_distance, axisymmetric, std::move(name), adjustment}, sweeps});
+  new (self) KinematicContact(
+      V, slave, master,
+      {{friction, search_distance, axisymmetric, std::move(name), adjustment, std::move(law)}, sweeps});
 }
 } // namespace
 
@@ -247,11 +248,11 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def("__init__", &construct_kinematic<Facets>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = k.friction, nb::arg("sweeps") = k.sweeps,
            nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric,
-           nb::arg("name") = k.name, nb::arg("adjustment") = k.adjustment)
+           nb::arg("name") = k.name, nb::arg("adjustment") = k.adjustment, nb::arg("friction_law").none() = nb::none())
       .def("__init__", &construct_kinematic<Rigid>, nb::arg("V"), nb::arg("slave"), nb::arg("master"),
            nb::arg("friction") = k.friction, nb::arg("sweeps") = k.sweeps,
            nb::arg("search_distance") = k.search_distance, nb::arg("axisymmetric") = k.axisymmetric,
-           nb::arg("name") = k.name, nb::arg("adjustment") = k.adjustment)
+           nb::arg("name") = k.name, nb::arg("adjustment") = k.adjustment, nb::arg("friction_law").none() = nb::none())
       .def(
           "correct",
           [](KinematicContact& self, Halo& halo, MutableValues u, Values du, Values inverse_mass, double h, double dt,

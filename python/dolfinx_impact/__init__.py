@@ -31,7 +31,7 @@ from .dynamics.explicit import ExplicitProblem
 from .dynamics.implicit.newmark_problem import NewmarkProblem
 from .assembly import jit, operators
 from .assembly.jit import cache_folder, compile_expression, compile_form
-from .interface import InterfaceLaw, InterfaceUpdate
+from .interface import FrictionLaw, InterfaceLaw, InterfaceUpdate
 from .loads import BodyForce, FollowerPressure, Traction
 from .foundation import Foundation
 from .added_mass import AddedMass

@@ -21,7 +21,7 @@ double largest_arm(MPI_Comm comm, const enforcement::NodeToSurface& contact)
   {
     // Normal forces pass through the middle of a ball, friction acts on its surface, and a law may have it.
     const bool friction =
-        contact.options().friction > 0.0 || dynamic_cast<const enforcement::NodeLaw*>(&contact) != nullptr;
+        contact.options().has_friction() || dynamic_cast<const enforcement::NodeLaw*>(&contact) != nullptr;
     double square = 0.0;
     for (int c = 0; c < gdim; ++c)
       square += std::pow(obstacle.point[c] - obstacle.centre[c], 2);

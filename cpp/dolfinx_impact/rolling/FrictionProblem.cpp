@@ -171,6 +171,42 @@ FrictionProblem::Solution FrictionProblem::solve(const LinearState& state, std::
   return {in_axes(found), done ? "" : "tractions that obey friction were not found"};
 }
 
+/// Coefficients of friction of all nodes.
+/// @param[in] pressure normal forces [F]
+/// @param[in] slip velocities in the frames, [i*(gdim - 1) + t]
+FrictionProblem::Friction FrictionProblem::friction(std::span<const double> pressure, std::span<const double> slip) const
+{
+  const std::size_t g = _nodes.gdim, t = g - 1;
+  Friction out{_nodes.friction, std::vector<double>(_num, 0.0), std::vector<double>(_num * t, 0.0)};
+  enforcement::FrictionCoefficients found;
+  for (const CandidateLaw& law : _nodes.laws)
+  {
+    enforcement::FrictionPoints points = law.points;
+    for (std::size_t q = 0; q < law.nodes.size(); ++q)
+    {
+      const std::size_t i = law.nodes[q];
+      points.pressure[q] = law.areas[q] > 0.0 ? pressure[i] / law.areas[q] : 0.0;
+      for (std::size_t c = 0; c < g; ++c)
+      {
+        points.slip_rate[q * g + c] = 0.0;
+        for (std::size_t a = 0; a < t; ++a)
+          points.slip_rate[q * g + c] += _nodes.frames[(i * g + 1 + a) * g + c] * slip[i * t + a];
+      }
+    }
+    law.law->evaluate(points, found);
+    for (std::size_t q = 0; q < law.nodes.size(); ++q)
+    {
+      const std::size_t i = law.nodes[q];
+      out.value[i] = found.value[q];
+      if (!found.by_pressure.empty() && law.areas[q] > 0.0)
+        out.by_force[i] = found.by_pressure[q] / law.areas[q];
+      for (std::size_t a = 0; a < t && !found.by_slip_rate.empty(); ++a)
+        out.by_slip[i * t + a] = dot(&_nodes.frames[(i * g + 1 + a) * g], &found.by_slip_rate[q * g], int(g));
+    }
+  }
+  return out;
+}
+
 /// Equations of all nodes; `base` is in frames, `caution` as keeping and finding.
 FrictionProblem::Equations FrictionProblem::equations(const LinearState& base, std::vector<double> forces,
                                                       double caution) const
@@ -186,19 +222,33 @@ FrictionProblem::Equations FrictionProblem::equations(const LinearState& base, s
                 std::vector<std::int8_t>(_num, 0),
                 std::vector<std::int8_t>(_num, 0),
                 std::vector<double>(_num * t, 0.0),
-                std::vector<double>(_num, 1.0)};
+                std::vector<double>(_num, 1.0),
+                std::vector<double>(_num, 0.0),
+                std::vector<double>(_num * t, 0.0)};
   out.error = out.forces;
+  std::vector<double> pressures(_num, 0.0), velocity(_num * t, 0.0);
   for (std::size_t i = 0; i < _num; ++i)
   {
-    const double pressure = free(i, 0) ? out.forces[i * g] - _normal_stiffness[i] * (base.gap[i] + gaps[i]) : 0.0;
+    if (free(i, 0))
+      pressures[i] = std::max(0.0, out.forces[i * g] - _normal_stiffness[i] * (base.gap[i] + gaps[i]));
+    for (std::size_t a = 0; a < t; ++a)
+      velocity[i * t + a] = base.slip[i * g + 1 + a] + slips[i * t + a];
+  }
+  const Friction friction = this->friction(pressures, velocity);
+  for (std::size_t i = 0; i < _num; ++i)
+  {
+    const double pressure = pressures[i];
     if (!(pressure > 0.0))
       continue;
+    out.limit_by_force[i] = friction.value[i] + pressure * friction.by_force[i];
+    for (std::size_t a = 0; a < t; ++a)
+      out.limit_by_slip[i * t + a] = pressure * friction.by_slip[i * t + a];
     out.active[i] = 1;
     double* trial = &out.direction[i * t];
     for (std::size_t a = 0; a < t; ++a)
       if (free(i, int(a) + 1))
-        trial[a] = out.forces[i * g + 1 + a] - caution * _resistance[i] * (base.slip[i * g + 1 + a] + slips[i * t + a]);
-    const double size = std::sqrt(dot(trial, trial, int(t))), limit = _nodes.friction[i] * pressure;
+        trial[a] = out.forces[i * g + 1 + a] - caution * _resistance[i] * velocity[i * t + a];
+    const double size = std::sqrt(dot(trial, trial, int(t))), limit = friction.value[i] * pressure;
     out.sliding[i] = size > limit;
     out.kappa[i] = out.sliding[i] ? limit / size : 1.0;
     out.error[i * g] -= pressure;
@@ -282,11 +332,13 @@ std::vector<double> FrictionProblem::derivative(const Equations& at, std::span<c
             trial[a] = double(k == l && b == a + 1) - caution * _resistance[i] * _slips[(i * t + a) * row + from];
         out[k * g * columns + column] = by_gap;
         const double along = dot(direction, trial, int(t)), pressure = double(k == l && b == 0) - by_gap;
+        double limit = at.limit_by_force[i] * pressure;
+        for (std::size_t a = 0; a < t; ++a)
+          limit += at.limit_by_slip[i * t + a] * _slips[(i * t + a) * row + from];
         for (std::size_t a = 0; a < t; ++a)
         {
-          const double limited = at.sliding[i] ? at.kappa[i] * (trial[a] - direction[a] * along) +
-                                                     _nodes.friction[i] * direction[a] * pressure
-                                               : trial[a];
+          const double limited =
+              at.sliding[i] ? at.kappa[i] * (trial[a] - direction[a] * along) + direction[a] * limit : trial[a];
           out[(k * g + 1 + a) * columns + column] = double(k == l && b == a + 1) - limited;
         }
       }
@@ -305,7 +357,6 @@ std::vector<double> FrictionProblem::split(const LinearState& base, std::span<co
   {
     const double pressed = free(i, 0) ? std::max(forces[i * g], 0.0) : 0.0;
     without[i * g] = pressed;
-    limit[i] = _nodes.friction[i] * pressed;
     for (std::size_t a = 0; a < t; ++a)
       if (pressed > 0.0 && free(i, int(a) + 1))
         used.push_back(i * t + a);
@@ -315,6 +366,19 @@ std::vector<double> FrictionProblem::split(const LinearState& base, std::span<co
   for (std::size_t k = 0; k < change.size(); ++k)
     change[k] -= base.forces[k];
   const std::vector<double> slips = solve::dense_product(_slips, change, int(_num * t));
+  std::vector<double> from(common::copy_of(forces)), pressures(_num), velocity;
+  for (std::size_t k = 0; k < from.size(); ++k)
+    from[k] -= base.forces[k];
+  velocity = solve::dense_product(_slips, from, int(_num * t));
+  for (std::size_t i = 0; i < _num; ++i)
+  {
+    pressures[i] = without[i * g];
+    for (std::size_t a = 0; a < t; ++a)
+      velocity[i * t + a] += base.slip[i * g + 1 + a];
+  }
+  const std::vector<double> coefficients = friction(pressures, velocity).value;
+  for (std::size_t i = 0; i < _num; ++i)
+    limit[i] = coefficients[i] * pressures[i];
   const int n = int(used.size());
   std::vector<double> A(std::size_t(n) * n), slip(n), z(n);
   for (int i = 0; i < n; ++i)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../enforcement/interface/FrictionLaw.h"
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -16,14 +17,24 @@ struct Compliance
   std::vector<double> velocity; ///< velocities of slave against master [L/(T F)]
 };
 
+/// A law of friction of some of the candidate nodes.
+struct CandidateLaw
+{
+  const enforcement::FrictionLaw* law;
+  std::vector<std::size_t> nodes;     ///< numbers among the candidates
+  std::vector<double> areas;          ///< of these, by which forces are tractions [L^2]
+  enforcement::FrictionPoints points; ///< normals and fields of these
+};
+
 /// Constants of the candidate nodes of a FrictionProblem.
 struct CandidateNodes
 {
   int gdim = 3;
   std::vector<double> frames;        ///< normal and tangents as rows, [(i*gdim + a)*gdim + c]
-  std::vector<double> friction;      ///< coefficients
+  std::vector<double> friction;      ///< coefficients of nodes without a law
   std::vector<std::int8_t> carriers; ///< nodes with a multiplier
   std::vector<std::int8_t> held;     ///< normals and tangents along which nothing can move, [i*gdim + a]
+  std::vector<CandidateLaw> laws = {};
 };
 
 /// Bodies at given multipliers, of which all else is a linear function; by candidate node, vectors [i*gdim + c].
@@ -67,11 +78,19 @@ private:
     std::vector<std::int8_t> active, sliding; ///< nodes in contact; those that slip
     std::vector<double> direction;            ///< of the trial tractions, [i*(gdim - 1) + t]
     std::vector<double> kappa; ///< friction times pressure over the length of the trial traction, at most 1
+    std::vector<double> limit_by_force; ///< derivative of friction times pressure by the pressure
+    std::vector<double> limit_by_slip;  ///< and by the slip velocity in the frame, [i*(gdim - 1) + t]
 
     double size() const;
     bool solved(double tolerance) const;
   };
 
+  /// Coefficients of friction, and derivatives by the normal force and the slip velocity in the frame.
+  struct Friction
+  {
+    std::vector<double> value, by_force, by_slip;
+  };
+  Friction friction(std::span<const double> pressure, std::span<const double> slip) const;
   std::vector<double> in_frames(std::span<const double> vectors) const;
   std::vector<double> in_axes(std::span<const double> vectors) const;
   Equations equations(const LinearState& base, std::vector<double> forces, double caution) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ReducedContacts.h"
 #include "../common/agree.h"
+#include <algorithm>
 #include <cmath>
 
 namespace dolfinx_impact::rolling
@@ -28,19 +29,60 @@ ReducedContacts::Solution ReducedContacts::forces(const ContactOperators& operat
   update(operators, near);
   const Candidates& candidates = *_candidates;
   const int g = operators.gdim();
-  Candidates::ByContact friction;
+  Candidates::ByContact friction, fields, number, areas = operators.weights();
+  int width = 1;
+  for (const RollingContact* c : operators.contacts())
+    if (const auto& law = c->options().friction_law)
+      width = std::max(width, 2 * int(law->fields().size()));
   std::vector<std::vector<std::int8_t>> carriers;
   std::vector<std::size_t> sizes;
   for (const RollingContact* c : operators.contacts())
   {
-    friction.emplace_back(c->nodes().size(), c->steady_friction());
+    const std::size_t num = c->nodes().size();
+    friction.emplace_back(num, c->options().friction);
+    number.emplace_back(num, double(number.size()));
+    std::vector<double>& values = fields.emplace_back(num * width, 0.0);
+    if (c->options().friction_law)
+    {
+      const enforcement::FrictionPoints found = c->law_points();
+      for (std::size_t f = 0; f < found.slave_fields.size(); ++f)
+        for (std::size_t i = 0; i < num; ++i)
+        {
+          values[i * width + 2 * f] = found.slave_fields[f][i];
+          values[i * width + 2 * f + 1] = found.master_fields[f][i];
+        }
+    }
     carriers.push_back(c->carriers());
     sizes.push_back(c->nodes().size());
   }
   const LinearState state{candidates.gather(at.forces, g), candidates.gather(at.gaps, 1),
                           candidates.gather(at.slips, g)};
   CandidateNodes nodes{g, candidates.gather(operators.frames(), g * g), candidates.gather(friction, 1),
-                       as_mask(candidates.gather(carriers, 1)), as_mask(candidates.gather(operators.held(), g))};
+                       as_mask(candidates.gather(carriers, 1)), as_mask(candidates.gather(operators.held(), g)),
+                       {}};
+  const std::vector<double> numbers = candidates.gather(number, 1), all_fields = candidates.gather(fields, width),
+                            all_areas = candidates.gather(areas, 1);
+  for (std::size_t k = 0; k < operators.contacts().size(); ++k)
+    if (const auto& law = operators.contacts()[k]->options().friction_law)
+    {
+      CandidateLaw& of = nodes.laws.emplace_back();
+      of.law = law.get();
+      for (std::size_t i = 0; i < numbers.size(); ++i)
+        if (numbers[i] == double(k))
+          of.nodes.push_back(i);
+      of.points = law->make_points(of.nodes.size());
+      for (std::size_t q = 0; q < of.nodes.size(); ++q)
+      {
+        const std::size_t i = of.nodes[q];
+        of.areas.push_back(all_areas[i]);
+        std::copy_n(&nodes.frames[i * g * g], g, &of.points.normal[q * g]);
+        for (std::size_t f = 0; f < law->fields().size(); ++f)
+        {
+          of.points.slave_fields[f][q] = all_fields[i * width + 2 * f];
+          of.points.master_fields[f][q] = all_fields[i * width + 2 * f + 1];
+        }
+      }
+    }
   std::optional<TorqueOfCandidates> reduced;
   if (torque)
     reduced = torque->gathered(operators, candidates);

@@ -354,7 +354,7 @@ void RollingContact::check_directions(std::span<const double> u)
   const auto moves = [](std::span<const double> v)
   { return std::ranges::any_of(v, [](double x) { return x != 0.0; }); };
   const std::string where = name() + ", at " + common::place(place);
-  if (steady_friction() > 0.0 && !moves(slave) && !moves(master))
+  if (has_steady_friction() && !moves(slave) && !moves(master))
     throw common::BadValue(where + ": neither body moves, so that friction has no direction; give a spin or a speed");
   if (dot(slave.data(), master.data(), g) < 0.0)
     throw common::BadValue(where + ": the slave's material moves with " + common::place(slave) +
@@ -418,6 +418,18 @@ double RollingContact::rate() const
   return _rate;
 }
 
+std::vector<double> RollingContact::steady_friction(std::span<const double> slip,
+                                                    std::span<const double> multipliers) const
+{
+  const std::size_t num = geometry().num_nodes(), g = geometry().gdim();
+  if (!options().friction_law)
+    return std::vector<double>(num, options().friction);
+  std::vector<double> pressure(num);
+  for (std::size_t i = 0; i < num; ++i)
+    pressure[i] = std::max(0.0, dot(&geometry().now().normal[i * g], &multipliers[i * g], int(g)));
+  return law_coefficients(pressure, slip).value;
+}
+
 SteadyFriction RollingContact::law(std::span<const double> gap, std::span<const double> slip,
                                    std::span<const double> multipliers) const
 {
@@ -430,7 +442,7 @@ SteadyFriction RollingContact::law(std::span<const double> gap, std::span<const 
     across[i] = normal[i] / rate;
   }
   return {{geometry().gdim(), carriers, geometry().now().normal, normal, across},
-          steady_friction(),
+          steady_friction(slip, multipliers),
           gap,
           slip,
           multipliers};
@@ -451,7 +463,7 @@ double RollingContact::steady_violation() const
     if (law.active[i]) // carriers alone are
     {
       here = std::max(here, std::abs(gap[i]) / geometry().size());
-      if (!law.sliding[i] && fast > 0.0 && steady_friction() > 0.0)
+      if (!law.sliding[i] && fast > 0.0 && has_steady_friction())
         here = std::max(here, std::sqrt(dot(&_slip_velocity[i * g], &_slip_velocity[i * g], g)) / fast);
     }
   if (pressure > 0.0)
@@ -534,7 +546,7 @@ std::vector<ContactStatus> RollingContact::status() const
   std::vector<ContactStatus> out(s.active.size(), ContactStatus::open);
   for (std::size_t i = 0; i < out.size(); ++i)
     if (s.active[i] && geometry().now().part[i])
-      out[i] = s.sliding[i] || steady_friction() == 0.0 ? ContactStatus::slip : ContactStatus::stick;
+      out[i] = s.sliding[i] || !has_steady_friction() ? ContactStatus::slip : ContactStatus::stick;
   return out;
 }
 } // namespace dolfinx_impact::rolling

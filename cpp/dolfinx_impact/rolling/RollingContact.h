@@ -31,8 +31,12 @@ public:
   const std::array<double, 3>& obstacle_velocity() const { return _obstacle_velocity; }
   /// Flow of the bodies.
   const Flow& flow() const { return *_flow; }
-  /// Coefficient of friction against the slip velocity [1].
-  double steady_friction() const { return options().friction; }
+  /// Is there friction against the slip velocity?
+  bool has_steady_friction() const { return options().has_friction(); }
+  /// Coefficients of friction against the slip velocity [1]. Collective where a law reads fields.
+  /// @param[in] slip velocities, vectors [L/T]
+  /// @param[in] multipliers vectors [F/L^2]
+  std::vector<double> steady_friction(std::span<const double> slip, std::span<const double> multipliers) const;
 
   // --- velocities ----------------------------------------------------------------------------------------------------
   /// Take over the present rates of the motions. Collective.

@@ -6,7 +6,7 @@
 
 namespace dolfinx_impact::rolling
 {
-SteadyFriction::SteadyFriction(const FrictionNodes& nodes, double friction, std::span<const double> gap,
+SteadyFriction::SteadyFriction(const FrictionNodes& nodes, std::span<const double> friction, std::span<const double> gap,
                                std::span<const double> slip, std::span<const double> multipliers)
     : active(gap.size(), 0), sliding(gap.size(), 0), target(multipliers.size(), 0.0)
 {
@@ -23,7 +23,7 @@ SteadyFriction::SteadyFriction(const FrictionNodes& nodes, double friction, std:
     double trial[3] = {};
     for (int c = 0; c < g; ++c)
       trial[c] = lambda[c] - along * n[c] - nodes.tangential_stiffness[i] * slip[i * g + c];
-    const double size = std::sqrt(dot(trial, trial, g)), limit = friction * pressure;
+    const double size = std::sqrt(dot(trial, trial, g)), limit = friction[i] * pressure;
     sliding[i] = size > limit;
     for (int c = 0; c < g; ++c)
       target[i * g + c] = pressure * n[c] + (sliding[i] ? limit / size : 1.0) * trial[c];

@@ -25,12 +25,12 @@ struct SteadyFriction
   /// Multipliers that the law makes of the trial values, vectors; in a solution they are the same [F/L^2].
   std::vector<double> target;
 
-  /// @param[in] friction coefficient [1]
+  /// @param[in] friction coefficient by node [1]
   /// @param[in] gap by node [L]
   /// @param[in] slip tangential slip velocities, vectors [L/T]
   /// @param[in] multipliers vectors [F/L^2]
-  SteadyFriction(const FrictionNodes& nodes, double friction, std::span<const double> gap, std::span<const double> slip,
-                 std::span<const double> multipliers);
+  SteadyFriction(const FrictionNodes& nodes, std::span<const double> friction, std::span<const double> gap,
+                 std::span<const double> slip, std::span<const double> multipliers);
 };
 
 /// Orthonormal tangent vectors of a surface at a node, [t*gdim + c] with gdim - 1 of them. A prescribed component along

@@ -17,6 +17,7 @@ from ..common.arguments import LARGEST_DEGREE, integer, number
 from ..common.collective import comm_of, guard
 from ..common.fixed import Fixed
 from ..common.types import FloatArray, IntArray
+from ..interface.friction_law import FrictionLaw
 from ..loads import _tag, check_tag, facet_tags_of
 from .nodal_sum import NodalSum
 from .rigid import _Rigid
@@ -72,7 +73,7 @@ class ContactPair(Fixed):
     slave: int
     master: int | tuple[int, ...] | _Rigid
     rigid: bool
-    friction: float
+    friction: float | FrictionLaw
     search_distance: float | None
     remove_penetration: bool
     clearance: float | None
@@ -87,7 +88,7 @@ class ContactPair(Fixed):
         facet_tags: MeshTags,
         slave: int,
         master: int | Sequence[int] | _Rigid,
-        friction: float = 0.0,
+        friction: float | Callable[..., Any] | FrictionLaw = 0.0,
         search_distance: float | None = None,
         remove_penetration: bool = False,
         name: str | None = None,
@@ -123,6 +124,27 @@ class ContactPair(Fixed):
         if sides:
             more += f", smooth {' and '.join(sides)}, crease {self.crease:g}"
         return f"ContactPair({self.name!r}: slave {self.slave}, master {self.master!r}, friction {self.friction}{more})"
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether there is friction: a law, or a coefficient above zero."""
+        return isinstance(self.friction, FrictionLaw) or self.friction > 0.0
+
+    def constant_friction(self, what: str) -> float:
+        """The coefficient of friction of a method that takes a number alone [1].
+
+        Args:
+            what: the method.
+
+        Raises:
+            ValueError: the friction is a law.
+        """
+        if isinstance(self.friction, FrictionLaw):
+            raise ValueError(
+                f"{self.name}: {what} takes a number as its friction, not a law: take Lagrange or Kinematic, or "
+                "Penalty(pair, law=...) with a law of the interface that has this friction"
+            )
+        return self.friction
 
     @property
     def masters(self) -> tuple[int, ...]:
@@ -185,9 +207,7 @@ class ContactPair(Fixed):
                 f"slave and master have the same tag {self.slave}: tag two surfaces, or take GeneralContact, which "
                 "knows self-contact, in an explicit problem"
             )
-        self.friction = number("friction", friction)
-        if self.friction < 0.0:
-            raise ValueError(f"friction is {self.friction}: a coefficient of friction is zero or positive")
+        self.friction = _checked_friction(friction)
         self.search_distance = None
         if search_distance is not None:
             self.search_distance = number("search_distance", search_distance, 0.0, " [L]")
@@ -272,6 +292,18 @@ class ContactPair(Fixed):
                 f"{self.name}: slave and master share {count} nodes, the first at {some}: a body cannot touch "
                 "itself there; leave the common edge out of one of the tags, or mesh the bodies apart"
             )
+
+
+def _checked_friction(friction: Any) -> float | FrictionLaw:
+    """A coefficient of friction, or a law."""
+    if isinstance(friction, FrictionLaw):
+        return friction
+    if callable(friction):
+        return FrictionLaw(friction)
+    found = number("friction", friction)
+    if found < 0.0:
+        raise ValueError(f"friction is {found}: a coefficient of friction is zero or positive")
+    return found
 
 
 def _checked_master(master: Any) -> int | tuple[int, ...] | _Rigid:

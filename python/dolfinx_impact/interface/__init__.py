@@ -3,10 +3,12 @@
 
 from .cohesive import cohesive_zone
 from .friction import anisotropic_friction, falling_friction
+from .friction_law import FrictionLaw
 from .law import InterfaceLaw, InterfaceUpdate
 from .pressure import adhesion, damped_contact, exponential_pressure, linear_pressure
 
 __all__ = [
+    "FrictionLaw",
     "InterfaceLaw",
     "InterfaceUpdate",
     "adhesion",

@@ -3,32 +3,27 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
 from typing import Any
 
 import ufl
-from dolfinx.fem import Function, FunctionSpace
-from mpi4py import MPI
+from dolfinx.fem import Function
 
 from .. import _cpp
-from ..assembly import jit
 from ..common.arguments import number
-from ..common.fixed import Fixed
 from ..forms import interface
-from ..forms.compiler.frontend import form_signature
 from ..forms.interface import TANGENTIAL, InterfaceUpdate
+from .compiled_law import CompiledLaw, Part, call
 
-__all__ = ["TANGENTIAL", "InterfaceLaw", "InterfaceUpdate"]
+__all__ = ["TANGENTIAL", "InterfaceLaw", "InterfaceUpdate", "Part"]
 
 # What functions of a law may ask for, by the names of their arguments.
 INPUTS = ("gap", "slip", "gap_rate", "slip_rate", "rate", "normal", "fields", "history", "parameters", "unknown")
-Part = Callable[..., Any]
 
 
-class InterfaceLaw(Fixed):
+class InterfaceLaw(CompiledLaw[_cpp.enforcement.InterfaceLaw]):
     """Pressure and shear traction at a contact point as UFL expressions, compiled into one kernel.
 
     The functions of a law take what they need, by the names of their arguments: `gap` [L], `slip` (tangential
@@ -93,22 +88,15 @@ class InterfaceLaw(Fixed):
         self.friction, self.response, self.update = friction, response, update
         self._check_parts()
         self.tangential = None if friction is None else number("tangential", tangential, 0.0, " [F/L^3]")
+        values = dict(parameters or {})
+        if self.tangential is not None:
+            values[STIFFNESS] = self.tangential
+        super().__init__(fields, values, name)
         self.history = _shapes(history or {})
-        self.unknown, self.name, self.only_in_space = unknown, name, only_in_space
+        self.unknown, self.only_in_space = unknown, only_in_space
         if friction is not None:
             self.history = self.history | {SLID: TANGENTIAL}
-        self.fields = dict(fields or {})
-        for key, function in self.fields.items():
-            if not isinstance(function, Function) or function.function_space.dofmap.bs > 1:
-                raise TypeError(f"field {key!r} of a law must be a scalar fem.Function")
         self.reach = math.inf if reach is None else number("reach", reach, 0.0, " [L]")
-        values = {key: number(f"parameter {key!r}", value) for key, value in (parameters or {}).items()}
-        if friction is not None:
-            assert self.tangential is not None
-            values[STIFFNESS] = self.tangential
-        self._parameters = values
-        self._made_for: dict[int, _cpp.enforcement.InterfaceLaw] = {}
-        self._signatures: dict[int, str] = {}
 
     def _check_parts(self) -> None:
         """Refuse parts that do not go together."""
@@ -125,28 +113,6 @@ class InterfaceLaw(Fixed):
         if self.response is not None and (self.energy is not None or self.update is not None):
             raise ValueError("`response` returns energy and history itself, in the InterfaceUpdate")
 
-    @property
-    def parameters(self) -> dict[str, float]:
-        """Values of the parameters by name; a copy."""
-        return dict(self._parameters)
-
-    def set(self, **values: float) -> None:
-        """Change parameters, of this law and of the contacts that have it.
-
-        Args:
-            values: new values by name.
-
-        Raises:
-            TypeError: a value is no number.
-            ValueError: the law has no parameter of a name.
-        """
-        for name, value in values.items():
-            if name not in self._parameters:
-                raise ValueError(f"the law has no parameter {name!r}, it has {sorted(self._parameters)}")
-            self._parameters[name] = number(f"parameter {name!r}", value)
-            for made in self._made_for.values():
-                made.set_constant(name, self._parameters[name])
-
     def respond(self, point: Any) -> InterfaceUpdate:
         """Pressure and shear traction of a point in UFL (forms/interface.py).
 
@@ -160,24 +126,24 @@ class InterfaceLaw(Fixed):
             return self.response(point)
         given = vars(point) | {"rate": SimpleNamespace(gap=point.gap_rate, slip=point.slip_rate)}
         shear = energy = shear_energy = sticks = None
-        history = {} if self.update is None else dict(_call(self.update, given, "update"))
+        history = {} if self.update is None else dict(call(self.update, given, "update"))
         if self.traction is not None:
-            pressure, shear = _call(self.traction, given, "traction")
+            pressure, shear = call(self.traction, given, "traction")
         elif self.pressure is not None:
-            pressure = _call(self.pressure, given, "pressure")
+            pressure = call(self.pressure, given, "pressure")
             if self.shear is not None:
-                shear = _call(self.shear, given | {"pressure": pressure}, "shear")
+                shear = call(self.shear, given | {"pressure": pressure}, "shear")
         else:
             assert self.energy is not None
             gap, slip = ufl.variable(point.gap), ufl.variable(point.slip)
-            stored = ufl.as_ufl(_call(self.energy, given | {"gap": gap, "slip": slip}, "energy"))
+            stored = ufl.as_ufl(call(self.energy, given | {"gap": gap, "slip": slip}, "energy"))
             pressure, shear = -ufl.diff(stored, gap), -ufl.diff(stored, slip)
         given["pressure"] = pressure
         if self.friction is not None:
             shear, slid, sticks, shear_energy = self._coulomb(point, given)
             history[SLID] = slid
         if self.energy is not None:
-            energy = _call(self.energy, given, "energy")
+            energy = call(self.energy, given, "energy")
             energy = energy if shear_energy is None else energy + shear_energy
         return InterfaceUpdate(pressure, shear, energy, shear_energy, history, sticks)
 
@@ -185,7 +151,7 @@ class InterfaceLaw(Fixed):
         """Coulomb's law by return mapping: shear traction, slip without its elastic part, condition of sticking and
         elastic energy."""
         k = getattr(point.parameters, STIFFNESS)
-        coefficient = _call(self.friction, given, "friction") if callable(self.friction) else self.friction
+        coefficient = call(self.friction, given, "friction") if callable(self.friction) else self.friction
         trial = -k * (point.slip - getattr(point.history, SLID))
         limit = coefficient * ufl.max_value(given["pressure"], 0)
         size = ufl.sqrt(ufl.dot(trial, trial))
@@ -194,51 +160,15 @@ class InterfaceLaw(Fixed):
         shear = factor * trial
         return shear, point.slip + shear / k, sticks, ufl.dot(shear, shear) / (2 * k)
 
-    def in_cpp(self, V: FunctionSpace, comm: MPI.Comm | None = None) -> _cpp.enforcement.InterfaceLaw:
-        """The law in C++, compiled when it is asked for the first time. Collective.
+    def _form(self, gdim: int) -> interface.InterfaceForm:
+        return interface.InterfaceForm(self, gdim, tuple(self.fields), tuple(self._parameters))
 
-        Args:
-            V: space of the displacement.
-            comm: communicator whose ranks compile together; None: that of the mesh.
-
-        Raises:
-            ValueError: the law does not fit the mesh, or cannot be compiled; on all ranks.
-        """
-        mesh = V.mesh
-        gdim = mesh.geometry.dim
-        for key, function in self.fields.items():
-            space = function.function_space
-            same = space.mesh == mesh and space.dofmap.index_map.size_global == V.dofmap.index_map.size_global
-            if not same or space.element.basix_element.degree != V.element.basix_element.degree:
-                raise ValueError(f"field {key!r} of {self.name} must be of the mesh and the degree of the displacement")
-        if gdim not in self._made_for:
-            self._made_for[gdim] = self.compiled(gdim, comm or mesh.comm)
-        return self._made_for[gdim]
-
-    def compiled(self, gdim: int, comm: MPI.Comm) -> _cpp.enforcement.InterfaceLaw:
-        """The law in C++, without a mesh. Collective.
-
-        Args:
-            gdim: dimension of space [1].
-            comm: communicator whose ranks compile together.
-        """
-        form = interface.InterfaceForm(self, gdim, tuple(self.fields), tuple(self._parameters))
-        self._signatures[gdim] = form_signature(form.form, form.point_law)[:32]
-        compiled = jit.compile_form(form.form, form.names, comm, form.point_law)
+    def _make(self, kernel: int, gdim: int, functions: dict[str, Any]) -> _cpp.enforcement.InterfaceLaw:
         tangential = [name for name, shape in self.history.items() if shape == TANGENTIAL]
-        functions = {name: function._cpp_object for name, function in self.fields.items()}
-        (kernel,) = compiled.kernels
-        return _cpp.enforcement.InterfaceLaw(kernel.address, gdim, self._parameters, functions, tangential, self.reach)
+        return _cpp.enforcement.InterfaceLaw(kernel, gdim, self._parameters, functions, tangential, self.reach)
 
     def identity(self, gdim: int) -> str:
-        """What a checkpoint knows of the law: its expressions, parameters and reach.
-
-        Args:
-            gdim: dimension of space of a problem that has the law [1].
-        """
-        numbers = ", ".join(f"{name} {value!r}" for name, value in sorted(self._parameters.items()))
-        fields = ", ".join(sorted(self.fields))
-        return f"expressions {self._signatures[gdim]}; {numbers}; fields {fields}; reach {self.reach!r}"
+        return f"{super().identity(gdim)}; reach {self.reach!r}"
 
     def __repr__(self) -> str:
         given = [w for w in ("pressure", "shear", "traction", "energy", "friction", "response") if getattr(self, w)]
@@ -258,15 +188,3 @@ def _shapes(history: Mapping[str, tuple[int, ...] | str]) -> dict[str, tuple[int
             raise ValueError(f"history {name!r} has shape {shape!r}: it must be (), (n,) or {TANGENTIAL!r}")
     return dict(history)
 
-
-def _call(function: Part | float | None, given: Mapping[str, Any], what: str) -> Any:
-    """Call a function of a law with the arguments that it asks for."""
-    assert callable(function)
-    try:
-        wanted = list(inspect.signature(function).parameters)
-    except (TypeError, ValueError) as e:
-        raise TypeError(f"the arguments of `{what}` of a law cannot be found out: write it as a Python function") from e
-    unknown = [name for name in wanted if name not in given]
-    if unknown:
-        raise TypeError(f"`{what}` of a law asks for {unknown}; there are {', '.join(sorted(given))}")
-    return function(**{name: given[name] for name in wanted})

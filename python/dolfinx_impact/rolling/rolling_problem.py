@@ -121,7 +121,7 @@ class RollingProblem(Unique):
                     raise ValueError(complaint)
         self._flow = Flow(u, material, cell_tags, self.motions)
         everything: list[Any] = [*loads, self._flow]
-        self._rubs = any(c.pair.friction > 0.0 for c in contact)
+        self._rubs = any(c.pair.has_friction for c in contact)
         if self._rubs:
             contact = [RollingLagrange(cast("Lagrange", c), self._flow) for c in contact]
         self._equilibrium = StaticProblem(

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "InterfaceLaw.h"
-#include "../../kernels/KernelTable.h"
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <stdexcept>
 
 namespace dolfinx_impact::enforcement
@@ -11,43 +8,17 @@ namespace dolfinx_impact::enforcement
 namespace
 {
 const std::string by = "derivative by ", of_history = "history ";
-
-bool ends_with(const std::string& name, const std::string& end)
-{
-  return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-}
-
-/// The first entry of an aligned array inside a vector that has room for it.
-double* aligned(std::vector<double>& memory, std::size_t& begin, std::size_t size)
-{
-  constexpr std::size_t line = 64 / sizeof(double);
-  const std::size_t past = (reinterpret_cast<std::uintptr_t>(memory.data() + begin) / sizeof(double)) % line;
-  double* out = memory.data() + begin + (past ? line - past : 0);
-  begin = std::size_t(out - memory.data()) + size;
-  return out;
-}
 } // namespace
 
 InterfaceLaw::InterfaceLaw(const impact_kernel* kernel, int gdim,
                            const std::vector<std::pair<std::string, double>>& constants,
                            std::vector<InterfaceField> fields, const std::vector<std::string>& tangential, double reach)
-    : _kernel(kernel), _gdim(gdim), _reach(reach), _fields(std::move(fields))
+    : _kernel(kernel, "a law of the interface", constants), _gdim(gdim), _reach(reach), _fields(std::move(fields))
 {
-  if (!kernel || kernel->rank != 0 || kernel->num_points != 1 || (gdim != 2 && gdim != 3))
-    throw std::invalid_argument("a law of the interface is a kernel with one point, in two or three dimensions");
+  if (gdim != 2 && gdim != 3)
+    throw std::invalid_argument("a law of the interface is of two or three dimensions");
   if (!(reach > 0.0))
     throw std::invalid_argument("the reach of a law of the interface is positive");
-  _lanes = kernels::width(*kernel);
-  _tabulate = kernels::tabulate(*kernel, _lanes);
-  _constants.assign(kernel->size_c, std::nan(""));
-  for (const auto& [name, value] : constants)
-    for (int k = 0; k < kernel->num_constants; ++k)
-      if (kernel->constants[k].name == name)
-        _constants[kernel->constants[k].offset] = value;
-  for (int k = 0; k < kernel->num_constants; ++k)
-    if (std::isnan(_constants[kernel->constants[k].offset]))
-      throw std::invalid_argument(std::string("the law of the interface needs the parameter ") +
-                                  kernel->constants[k].name);
   for (int k = 0; k < kernel->num_outputs; ++k)
     if (const impact_output& o = kernel->outputs[k]; o.coefficient >= 0)
     {
@@ -91,8 +62,9 @@ InterfaceLaw::Input InterfaceLaw::input(const impact_coefficient& c) const
 {
   const std::string name = c.name;
   Input out{Source::gap, 0, c.element.num_dofs, c.offset};
-  for (int k = 0; k < _kernel->num_outputs; ++k)
-    if (const impact_output& o = _kernel->outputs[k]; o.coefficient >= 0 && &_kernel->coefficients[o.coefficient] == &c)
+  const impact_kernel& kernel = _kernel.kernel();
+  for (int k = 0; k < kernel.num_outputs; ++k)
+    if (const impact_output& o = kernel.outputs[k]; o.coefficient >= 0 && &kernel.coefficients[o.coefficient] == &c)
     {
       const auto same = [&](const InterfaceHistory::Variable& v) { return v.name == o.name; };
       out.source = Source::variable;
@@ -114,17 +86,6 @@ InterfaceLaw::Input InterfaceLaw::input(const impact_coefficient& c) const
       if (ends_with(name, end) && name == _fields[f].name + end)
         return {source, int(f), out.size, out.offset};
   throw std::invalid_argument("the law of the interface reads " + name + ", which is not known here");
-}
-
-void InterfaceLaw::set_constant(const std::string& name, double value)
-{
-  for (int k = 0; k < _kernel->num_constants; ++k)
-    if (_kernel->constants[k].name == name)
-    {
-      _constants[_kernel->constants[k].offset] = value;
-      return;
-    }
-  throw std::invalid_argument("the law of the interface has no parameter " + name);
 }
 
 InterfaceHistory InterfaceLaw::make_history(std::size_t num_points) const
@@ -193,7 +154,7 @@ InterfaceDerivative& InterfaceLaw::derivative(InterfaceTractions& out, std::size
 
 void InterfaceLaw::evaluate(const InterfacePoints& points, InterfaceHistory& history, InterfaceTractions& out) const
 {
-  const std::size_t num = points.size(), rows = 1 + std::size_t(_gdim), lanes = _lanes;
+  const std::size_t num = points.size(), rows = 1 + std::size_t(_gdim);
   out.pressure.resize(num);
   out.shear.resize(num * _gdim);
   out.energy.resize(_energy >= 0 ? num : 0);
@@ -207,60 +168,33 @@ void InterfaceLaw::evaluate(const InterfacePoints& points, InterfaceHistory& his
     d.values.resize(num * rows * d.size);
   }
   out.num_unsolved = 0;
-  // The point's cell is the interval from 0 to 1.
-  thread_local std::vector<double> memory;
-  const std::size_t size_A = _kernel->size_A, size_w = _kernel->size_w;
-  memory.resize(std::max(memory.size(), (size_A + size_w + 6) * lanes + 3 * 8));
-  std::size_t begin = 0;
-  double* A = aligned(memory, begin, size_A * lanes);
-  double* w = aligned(memory, begin, size_w * lanes);
-  double* x = aligned(memory, begin, 6 * lanes);
-  for (std::size_t k = 0; k < 6; ++k)
-    std::fill_n(x + k * lanes, lanes, k == 3 ? 1.0 : 0.0);
-  const auto store = [&](std::size_t first, std::size_t used, int offset, std::size_t size, double* values)
+  _given.clear();
+  for (const Input& input : _inputs)
+    _given.push_back({values(input, points, history), input.size, input.offset,
+                      input.source == Source::variable ? points.row.data() : nullptr});
+  const impact_kernel& kernel = _kernel.kernel();
+  const auto take = [&](const PointKernel::Outputs& found)
   {
-    for (std::size_t c = 0; c < size; ++c)
-      for (std::size_t lane = 0; lane < used; ++lane)
-        values[(first + lane) * size + c] = A[(offset + c) * lanes + lane];
-  };
-  for (std::size_t first = 0; first < num; first += lanes)
-  {
-    const std::size_t used = std::min(lanes, num - first);
-    std::fill_n(A, size_A * lanes, 0.0);
-    for (const Input& input : _inputs)
-    {
-      const double* from = values(input, points, history);
-      const std::size_t size = input.size;
-      for (std::size_t lane = 0; lane < lanes; ++lane)
-      {
-        const std::size_t q = first + std::min(lane, used - 1); // lanes that are left over repeat the last point
-        const std::size_t row = input.source == Source::variable ? std::size_t(points.row[q]) : q;
-        for (std::size_t c = 0; c < size; ++c)
-          w[(input.offset + c) * lanes + lane] = from[row * size + c];
-      }
-    }
-    _tabulate(A, w, _constants.data(), x, 0);
-    store(first, used, _pressure, 1, out.pressure.data());
-    store(first, used, _shear, _gdim, out.shear.data());
-    if (_energy >= 0)
-      store(first, used, _energy, 1, out.energy.data());
-    if (_shear_energy >= 0)
-      store(first, used, _shear_energy, 1, out.shear_energy.data());
-    if (_sticks >= 0)
-      store(first, used, _sticks, 1, out.sticks.data());
+    found.store(_pressure, 1, out.pressure.data());
+    found.store(_shear, _gdim, out.shear.data());
+    for (auto [offset, values] : {std::pair(_energy, &out.energy), std::pair(_shear_energy, &out.shear_energy),
+                                  std::pair(_sticks, &out.sticks)})
+      if (offset >= 0)
+        found.store(offset, 1, values->data());
     for (std::size_t i = 0; i < _derivatives.size(); ++i)
     {
       InterfaceDerivative& d = derivative(out, i);
-      store(first, used, _derivatives[i].second, rows * d.size, d.values.data());
+      found.store(_derivatives[i].second, rows * d.size, d.values.data());
     }
     for (const Output& o : _variables)
       for (std::size_t c = 0; c < std::size_t(o.size); ++c)
-        for (std::size_t lane = 0; lane < used; ++lane)
-          history.variables[o.number].updated[std::size_t(points.row[first + lane]) * o.size + c] =
-              A[(o.offset + c) * lanes + lane];
-    if (_kernel->local_unknowns > 0)
-      for (std::size_t lane = 0; lane < used; ++lane)
-        out.num_unsolved += A[(size_A - 3 - _kernel->local_unknowns) * lanes + lane] > 0.0;
-  }
+        for (std::size_t lane = 0; lane < found.used; ++lane)
+          history.variables[o.number].updated[std::size_t(points.row[found.first + lane]) * o.size + c] =
+              found.A[(o.offset + c) * found.lanes + lane];
+    if (kernel.local_unknowns > 0)
+      for (std::size_t lane = 0; lane < found.used; ++lane)
+        out.num_unsolved += found.A[(kernel.size_A - 3 - kernel.local_unknowns) * found.lanes + lane] > 0.0;
+  };
+  _kernel.evaluate(num, _given, take);
 }
 } // namespace dolfinx_impact::enforcement

@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../../kernels/Kernel.h"
+#include "InterfaceField.h"
 #include "InterfaceHistory.h"
 #include "InterfacePoints.h"
-#include <dolfinx/fem/Function.h>
+#include "PointKernel.h"
 #include <limits>
-#include <memory>
 #include <span>
-#include <string>
-#include <utility>
-#include <vector>
 
 namespace dolfinx_impact::enforcement
 {
-/// A field that a law of the interface reads on both sides: a scalar function of the degree of the displacement.
-struct InterfaceField
-{
-  std::string name;
-  std::shared_ptr<const dolfinx::fem::Function<double>> function;
-};
-
 /// A law of the interface: pressure and shear traction of contact points from gap, slip, their rates, fields and
 /// internal variables, by a kernel that forms/interface.py has made of UFL expressions; docs/interface_laws.md.
 class InterfaceLaw
@@ -47,7 +36,7 @@ public:
   bool has_energy() const { return _energy >= 0; }
   /// Change a constant.
   /// @throws std::invalid_argument if there is none of the name
-  void set_constant(const std::string& name, double value);
+  void set_constant(const std::string& name, double value) { _kernel.set_constant(name, value); }
 
   /// Internal variables of points, all zero.
   InterfaceHistory make_history(std::size_t num_points) const;
@@ -87,14 +76,13 @@ private:
   const double* values(const Input& input, const InterfacePoints& points, const InterfaceHistory& history) const;
   InterfaceDerivative& derivative(InterfaceTractions& out, std::size_t i) const;
 
-  const impact_kernel* _kernel;
-  impact_tabulate _tabulate;
-  int _gdim, _lanes;
+  PointKernel _kernel;
+  int _gdim;
   double _reach;
-  std::vector<double> _constants;
   std::vector<InterfaceField> _fields;
   InterfaceHistory _history; ///< variables without points
   std::vector<Input> _inputs;
+  mutable std::vector<PointKernel::Input> _given;
   std::vector<Output> _variables;
   std::vector<std::pair<Input, int>> _derivatives;                                 ///< input, and offset of the output
   int _pressure = -1, _shear = -1, _energy = -1, _shear_energy = -1, _sticks = -1; ///< offsets of outputs

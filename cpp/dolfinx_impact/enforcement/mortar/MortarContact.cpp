@@ -80,7 +80,8 @@ bool any(MPI_Comm comm, std::span<const double> values)
 
 MortarState::MortarState(int gdim, std::size_t num)
     : active(num, 0), sliding(num, 0), direction(num * gdim, 0.0), multiplier(num, 0.0),
-      friction_traction(num * gdim, 0.0), traction_n(num * gdim, 0.0), total_slip(num * gdim, 0.0), opening(num, 0.0)
+      friction_traction(num * gdim, 0.0), traction_n(num * gdim, 0.0), total_slip(num * gdim, 0.0), opening(num, 0.0),
+      coefficient(num, 0.0)
 {
 }
 
@@ -99,13 +100,43 @@ MortarContact::MortarContact(std::shared_ptr<const surface::FunctionSpace> V, su
   _frames = frames_at(_geometry->gdim(), n.normal, _geometry->fixed());
   _at = _linearised = {n.gap, std::vector<double>(n.normal.size(), 0.0)};
   _linear_tilt.assign(n.normal.size(), 0.0);
+  std::ranges::fill(_state.coefficient, _options.friction);
+  if (!has_law())
+    return;
+  if (_options.friction_law->gdim() != _geometry->gdim())
+    throw std::invalid_argument("the law of friction is one of another dimension");
+  update_coefficients();
 }
 
 // --- friction, and nodes that belong to several pairs ----------------------------------------------------------------
 
+void MortarContact::check_without_time() const
+{
+  if (has_law() && _options.friction_law->has_rates())
+    throw std::invalid_argument(name() + ": the law of friction depends on the slip velocity, and a static problem has "
+                                         "no time: use a NewmarkProblem, an ExplicitProblem or a RollingProblem");
+}
+
+bool MortarContact::has_own_friction() const
+{
+  return _options.slip == Slip::of_increments && _options.has_friction();
+}
+
+bool MortarContact::has_friction() const
+{
+  return has_own_friction() ||
+         std::ranges::any_of(partners, [](const Partner& p) { return p.contact->has_own_friction(); });
+}
+
+/// Does a coefficient of this pair, or of one that shares nodes with it, depend on the state?
+bool MortarContact::any_law() const
+{
+  return has_law() || std::ranges::any_of(partners, [](const Partner& p) { return p.contact->has_law(); });
+}
+
 double MortarContact::own_friction() const
 {
-  return _options.slip == Slip::of_increments ? _options.friction : 0.0;
+  return has_own_friction() ? (has_law() ? common::largest_modulus(_state.coefficient) : _options.friction) : 0.0;
 }
 
 double MortarContact::friction() const
@@ -120,12 +151,80 @@ double MortarContact::friction() const
 std::vector<double> MortarContact::coefficients() const
 {
   if (!_geometry->joined())
-    return std::vector<double>(_geometry->num_nodes(), own_friction());
+    return has_law() ? _state.coefficient : std::vector<double>(_geometry->num_nodes(), own_friction());
   std::vector<double> friction(partners.size() + 1);
-  friction[_geometry->member()] = own_friction();
+  if (!any_law())
+  {
+    friction[_geometry->member()] = own_friction();
+    for (const Partner& p : partners)
+      friction[p.contact->_geometry->member()] = p.contact->own_friction();
+    return _geometry->joined()->mean(_geometry->member(), friction);
+  }
+  // Each pair counts by the part of the node's cover that it has.
+  const auto part = [&](int member)
+  {
+    std::ranges::fill(friction, 0.0);
+    friction[member] = 1.0;
+    return _geometry->joined()->mean(_geometry->member(), friction);
+  };
+  std::vector<double> out = part(_geometry->member());
+  for (std::size_t i = 0; i < out.size(); ++i)
+    out[i] *= has_own_friction() ? _state.coefficient[i] : 0.0;
   for (const Partner& p : partners)
-    friction[p.contact->_geometry->member()] = p.contact->own_friction();
-  return _geometry->joined()->mean(_geometry->member(), friction);
+  {
+    const std::vector<double> share = part(p.contact->_geometry->member());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      if (p.index[i] >= 0 && p.contact->has_own_friction())
+        out[i] += share[i] * p.contact->_state.coefficient[p.index[i]];
+  }
+  return out;
+}
+
+FrictionPoints MortarContact::law_points() const
+{
+  const FrictionLaw& law = *_options.friction_law;
+  const std::size_t num = _geometry->num_nodes(), g = _geometry->gdim();
+  FrictionPoints out = law.make_points(num);
+  out.normal = _geometry->now().normal;
+  for (std::size_t f = 0; f < law.fields().size(); ++f)
+  {
+    // The jump of the field between slave and master is that of a displacement's first component.
+    const std::span<const double> field = law.fields()[f].function->x()->array();
+    std::vector<double> values(std::size_t(_geometry->map()->size_local()) * g, 0.0);
+    for (std::size_t node = 0; node < values.size() / g; ++node)
+      values[node * g] = field[node];
+    const std::vector<double> jump = _geometry->jump(values);
+    for (std::size_t i = 0; i < num; ++i)
+    {
+      const double here = values[std::size_t(nodes()[i]) * g], there = here - jump[i * g];
+      out.slave_fields[f][i] = here;
+      out.master_fields[f][i] = _geometry->obstacle() || !std::isfinite(there) ? 0.0 : there;
+    }
+  }
+  return out;
+}
+
+FrictionCoefficients MortarContact::law_coefficients(std::span<const double> pressure,
+                                                     std::span<const double> slip_rate) const
+{
+  FrictionPoints points = law_points();
+  points.pressure.assign(pressure.begin(), pressure.end());
+  points.slip_rate.assign(slip_rate.begin(), slip_rate.end());
+  FrictionCoefficients out;
+  _options.friction_law->evaluate(points, out);
+  return out;
+}
+
+/// Coefficients of the law at the present pressures and slips. Collective where it reads fields.
+void MortarContact::update_coefficients()
+{
+  std::vector<double> pressure(_state.multiplier), slip_rate(_linearised.slip);
+  const std::size_t g = _geometry->gdim();
+  for (std::size_t i = 0; i < pressure.size(); ++i)
+    pressure[i] = _usable[i] ? std::max(pressure[i], 0.0) : 0.0;
+  for (std::size_t k = 0; k < slip_rate.size(); ++k)
+    slip_rate[k] = _time_step > 0.0 && _usable[k / g] ? slip_rate[k] / _time_step : 0.0;
+  _state.coefficient = law_coefficients(pressure, slip_rate).value;
 }
 
 /// Joined nodes have the state of their carrier in all contacts.
@@ -200,6 +299,8 @@ state::State MortarContact::state()
   out.add("traction_n", state::Place::node, _state.traction_n, g);
   out.add("total_slip", state::Place::node, _state.total_slip, g);
   out.add("imposed", state::Place::node, _coulomb.imposed, g);
+  if (has_law())
+    out.add("coefficient", state::Place::node, _state.coefficient);
   out.add("begun", state::Place::all, _state.begun);
   out.add(_geometry->state());
   return out;
@@ -207,9 +308,11 @@ state::State MortarContact::state()
 
 state::State MortarContact::saved_state()
 {
-  static const std::string names[] = {"active",     "sliding",    "multiplier",
-                                      "opening",    "direction",  "friction_traction",
-                                      "traction_n", "total_slip", "imposed"};
+  std::vector<std::string> names = {"active",     "sliding",    "multiplier",
+                                    "opening",    "direction",  "friction_traction",
+                                    "traction_n", "total_slip", "imposed"};
+  if (has_law())
+    names.push_back("coefficient");
   state::State out = state().copy_of(names);
   for (double& opening : out.values<double>("opening"))
     opening = std::isfinite(opening) ? opening : no_master;
@@ -363,8 +466,9 @@ MortarContact::Present MortarContact::present() const
   for (std::size_t i = 0; i < _usable.size(); ++i)
     out.stiffness[i] /= _usable[i] ? _geometry->now().weight[i] : 1.0;
   out.lock = still();
-  const double largest = friction();
-  if (!partners.empty() && largest > 0.0)
+  const bool varies = any_law();
+  const double largest = varies ? 1.0 : friction();
+  if (varies || (!partners.empty() && largest > 0.0))
   {
     out.roughness = coefficients();
     for (double& value : out.roughness)
@@ -415,6 +519,8 @@ double MortarContact::largest_multiplier() const
 int MortarContact::update_active_set(bool first, std::optional<std::int64_t> last)
 {
   const std::size_t num = _geometry->num_nodes(), g = _geometry->gdim();
+  if (has_law() && !first)
+    update_coefficients();
   const double largest = largest_multiplier(), tolerance = _geometry->tolerance();
   for (std::size_t i = 0; i < num; ++i)
     _crowded[i] |= _redundant[i] && _state.active[i] && _linearised.gap[i] < -penetrates * _geometry->size();
@@ -673,10 +779,11 @@ void MortarContact::rotate_friction_traction()
 std::int64_t MortarContact::num_turning() const
 {
   const int g = _geometry->gdim();
-  if (!has_friction() || g == 2)
+  const bool varies = any_law(); // then the size of a traction may be another one, too
+  if (!has_friction() || (g == 2 && !varies))
     return 0;
   const std::vector<double> friction = coefficients(), still = this->still();
-  const double bound = turned * this->friction() * largest_multiplier();
+  const double bound = turned * common::largest(_geometry->comm(), this->friction()) * largest_multiplier();
   long long number = 0;
   for (std::size_t i = 0; i < _geometry->num_nodes(); ++i)
   {
@@ -780,7 +887,7 @@ std::vector<ContactStatus> MortarContact::status() const
   std::vector<ContactStatus> out(on.size(), ContactStatus::open);
   for (std::size_t i = 0; i < on.size(); ++i)
     if (on[i])
-      out[i] = _state.sliding[i] || own_friction() == 0.0 ? ContactStatus::slip : ContactStatus::stick;
+      out[i] = _state.sliding[i] || !has_own_friction() ? ContactStatus::slip : ContactStatus::stick;
   return out;
 }
 

@@ -19,6 +19,7 @@ struct MortarState
   std::vector<double> traction_n;           ///< friction traction of the last converged state [F/L^2]
   std::vector<double> total_slip;           ///< since a node last stuck [L]
   std::vector<double> opening;              ///< gap at the start of the increment of nodes that were open, else 0 [L]
+  std::vector<double> coefficient;          ///< of friction [1]
   std::int8_t begun = 0;                    ///< whether there is an `opening`
 
   MortarState(int gdim, std::size_t num_nodes);
@@ -54,7 +55,9 @@ public:
 
   /// Coefficient of friction of slips of increments, the largest of those that act at a node [1].
   double friction() const;
-  bool has_friction() const override { return friction() > 0.0; }
+  bool has_friction() const override;
+  void set_time_step(double dt) override { _time_step = dt; }
+  void check_without_time() const override;
 
   // --- load steps ----------------------------------------------------------------------------------------------------
   void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
@@ -134,6 +137,12 @@ public:
   const std::vector<std::int8_t>& usable() const { return _usable; }
   /// Stiffness of the bodies at the nodes [F/L].
   const std::vector<double>& nodal_stiffness() const { return _nodal_stiffness; }
+  /// Coefficients of this pair's law of friction. Collective where it reads fields.
+  /// @param[in] pressure by node [F/L^2]
+  /// @param[in] slip_rate [i*gdim + c] [L/T]
+  FrictionCoefficients law_coefficients(std::span<const double> pressure, std::span<const double> slip_rate) const;
+  /// Points of the law at all nodes, with normals and fields. Collective where the law reads fields.
+  FrictionPoints law_points() const;
   /// Gaps of nodes that are open, zero at others [L].
   std::vector<double> opened(std::span<const double> gap) const;
 
@@ -169,7 +178,11 @@ private:
   };
   Present present() const;
   Linearisation linearisation() const;
+  bool has_law() const { return _options.friction_law && _options.slip == Slip::of_increments; }
+  bool any_law() const;
   double own_friction() const;
+  bool has_own_friction() const;
+  void update_coefficients();
   std::vector<double> coefficients() const;
   std::vector<std::int8_t> touching() const;
   std::vector<std::int8_t> loaded() const;
@@ -193,5 +206,6 @@ private:
   GapAndSlip _linearised;                                  ///< of the present linear solution
   std::vector<double> _linear_tilt;                        ///< friction_tilt of the last constraints
   std::int64_t _last_change = -1;
+  double _time_step = 0.0; ///< of the increment; zero: there is no time [T]
 };
 } // namespace dolfinx_impact::enforcement

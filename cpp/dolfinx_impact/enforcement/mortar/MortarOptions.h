@@ -2,6 +2,7 @@
 #pragma once
 #include "../../gap/GapAdjustment.h"
 #include "../../gap/mortar.h"
+#include "../interface/FrictionLaw.h"
 #include <optional>
 #include <string>
 
@@ -18,7 +19,7 @@ enum class Slip
 struct MortarOptions
 {
   std::string name = "contact";                        ///< for messages
-  double friction = 0.0;                               ///< coefficient [1]
+  double friction = 0.0;                               ///< coefficient, without `friction_law` [1]
   gap::Multipliers basis = gap::Multipliers::dual;     ///< against rigid masters: dual
   std::optional<int> quadrature_degree = std::nullopt; ///< nothing: exact on flat, affine facets
   double search_distance = 0.0;                        ///< slave and master are paired within it; 0: twice a facet [L]
@@ -26,5 +27,8 @@ struct MortarOptions
   gap::GapAdjustment adjustment = {};                  ///< of gaps in the reference configuration
   bool may_share_nodes = true;                         ///< with other contacts
   Slip slip = Slip::of_increments;                     ///< that friction is of
+  std::shared_ptr<const FrictionLaw> friction_law = nullptr; ///< null: a constant coefficient
+
+  bool has_friction() const { return friction > 0.0 || friction_law; }
 };
 } // namespace dolfinx_impact::enforcement

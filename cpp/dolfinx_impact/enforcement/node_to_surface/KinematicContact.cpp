@@ -51,6 +51,13 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
   _arms.resize(vector * _num_masters);
   _normal_mass.assign(n, 0.0);
   _isotropic_mass.assign(n, 0.0);
+  _coefficients.value.assign(n, options.friction);
+  if (!options.friction_law)
+    return;
+  if (options.friction_law->gdim() != _gdim)
+    throw std::invalid_argument("the law of friction is one of another dimension");
+  _friction_points = options.friction_law->make_points(n);
+  _fields = FieldsAtNodes(options.friction_law->fields());
 }
 
 void KinematicContact::add_to(state::State& saved) const
@@ -69,6 +76,7 @@ void KinematicContact::assign_numbers(operators::Halo& halo, std::span<const std
                                       std::span<const double> mass)
 {
   NodeToSurface::assign_numbers(halo, numbers, mass);
+  _fields.assign_numbers(halo, numbers, _candidates.num_owned());
   _contact_nodes.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _contact_nodes.insert(_contact_nodes.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
   std::sort(_contact_nodes.begin(), _contact_nodes.end());
@@ -149,6 +157,7 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
 
 void KinematicContact::predict(const PredictedStep& step, std::span<const double> u)
 {
+  _fields.gather(*_halo);
   if (!_rigid)
   {
     _candidates.advance(step.dt);
@@ -187,7 +196,7 @@ void KinematicContact::weigh(CorrectedNodes& nodes) const
       for (int c = 0; c < D; ++c)
         for (int d = 0; d <= c; ++d, ++entry)
           nodes.tensor[entry / 3][3 * node + entry % 3] +=
-              part * (_options.friction > 0.0 ? double(c == d) : n[c] * n[d]);
+              part * (_options.has_friction() ? double(c == d) : n[c] * n[d]);
     };
     add(closed.node, 1.0);
     if (closed.releases)
@@ -279,8 +288,49 @@ void KinematicContact::solve_release_forces(const PredictedStep& step, const Cor
   }
 }
 
+/// What the law of friction sees of the closed nodes: the slip velocity of the step before, as a coefficient that falls
+/// with the present one would have several solutions; and the pressure, at first that of the last step.
+template <int D>
+void KinematicContact::begin_friction(const PredictedStep& step, const CorrectedNodes& nodes)
+{
+  _friction_points.resize(_num_closed);
+  for (std::size_t q = 0; q < _num_closed; ++q)
+  {
+    const Closed& closed = _closed_now[q];
+    const double* n = closed.normal;
+    double before[D];
+    relative_to_master<D>(q, nodes.before.data(), before);
+    for (int c = 0; c < D; ++c)
+      before[c] -= _rigid ? _obstacle_before.increment[c] : 0.0;
+    const double along = dot(n, before, D);
+    for (int c = 0; c < D; ++c)
+    {
+      _friction_points.slip_rate[q * D + c] = (before[c] - along * n[c]) / step.dt;
+      _friction_points.normal[q * D + c] = n[c];
+    }
+    _friction_points.pressure[q] = _results.pressure[closed.i];
+    for (std::size_t f = 0; f < _fields.size(); ++f)
+    {
+      _friction_points.slave_fields[f][q] = _fields.at(f, closed.node);
+      _friction_points.master_fields[f][q] = _fields.at(f, _num_masters, closed.masters, &_phi[q * _num_masters]);
+    }
+  }
+  _options.friction_law->evaluate(_friction_points, _coefficients);
+}
+
+/// Coefficients at the forces of the last sweep.
+void KinematicContact::update_friction()
+{
+  for (std::size_t q = 0; q < _num_closed; ++q)
+    _friction_points.pressure[q] =
+        dot(_closed_now[q].normal, &_nodal_force[q * _gdim], _gdim) / _candidates.areas()[_closed_now[q].i];
+  _options.friction_law->evaluate(_friction_points, _coefficients);
+}
+
 void KinematicContact::begin(const PredictedStep& step, const CorrectedNodes& nodes)
 {
+  if (_options.friction_law)
+    _gdim == 2 ? begin_friction<2>(step, nodes) : begin_friction<3>(step, nodes);
   const double* inverse_mass = step.inverse_mass.data();
   if (_gdim == 2)
   {
@@ -304,7 +354,7 @@ void KinematicContact::sweep(const double* correction, double h, double factor)
     double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
     relative_to_master<D>(q, correction, moved);
     const double pushed = closed.releases ? 0.0 : factor / h * _normal_mass[q] * (closed.overlap - dot(n, moved, D));
-    if (_options.friction > 0.0)
+    if (_options.has_friction())
     {
       for (int c = 0; c < D; ++c)
         moved[c] += _motion[q * D + c];
@@ -317,11 +367,11 @@ void KinematicContact::sweep(const double* correction, double h, double factor)
     const double along = dot(n, more, D), before = dot(n, f, D), normal = std::max(0.0, before + along);
     double tangential[3] = {0.0, 0.0, 0.0};
     ContactStatus status = normal > 0.0 ? ContactStatus::slip : ContactStatus::open;
-    if (_options.friction > 0.0)
+    if (_options.has_friction())
     {
       for (int c = 0; c < D; ++c)
         tangential[c] = f[c] - before * n[c] + more[c] - along * n[c];
-      const double size = std::sqrt(dot(tangential, tangential, D)), limit = _options.friction * normal;
+      const double size = std::sqrt(dot(tangential, tangential, D)), limit = _coefficients.value[q] * normal;
       if (size > limit)
         for (int c = 0; c < D; ++c)
           tangential[c] *= limit / size;
@@ -338,6 +388,8 @@ void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, doubl
 {
   const double* correction = nodes.correction.data();
   _gdim == 2 ? sweep<2>(correction, h, factor) : sweep<3>(correction, h, factor);
+  if (_options.friction_law && _options.friction_law->has_pressure())
+    update_friction();
 }
 
 template <int D>
@@ -415,7 +467,7 @@ void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double 
     _absorbed_energy[i] = closed.releases ? 0.0 : _absorbed_energy[i] - work - later;
     _energy.recoverable += std::max(0.0, _absorbed_energy[i]);
     _impulse[i] = closed.releases ? 0.0 : impulse_decay * _impulse[i] + normal * h / dt;
-    if (_options.friction > 0.0 && _results.status[i] == ContactStatus::slip)
+    if (_options.has_friction() && _results.status[i] == ContactStatus::slip)
       for (int c = 0; c < D; ++c)
         _results.slip[i * D + c] += slip[c];
     _closed[i] = 1;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "FieldsAtNodes.h"
 #include "MomentCorrection.h"
 #include "NodeToSurface.h"
 
@@ -90,6 +91,9 @@ private:
   template <int D>
   void solve_release_forces(const PredictedStep& step, const CorrectedNodes& nodes);
   template <int D>
+  void begin_friction(const PredictedStep& step, const CorrectedNodes& nodes);
+  void update_friction();
+  template <int D>
   void sweep(const double* correction, double h, double factor);
   template <int D>
   void add_all(std::span<double> forces) const;
@@ -107,5 +111,9 @@ private:
   std::vector<MomentCorrection> _moment_corrections;
   std::vector<double> _arms; ///< of the moment corrections
   std::vector<std::int32_t> _contact_nodes;
+  // Friction of the closed nodes.
+  FieldsAtNodes _fields;
+  FrictionPoints _friction_points;
+  FrictionCoefficients _coefficients;
 };
 } // namespace dolfinx_impact::enforcement

@@ -17,7 +17,7 @@ const std::string of_variable = "variable ";
 
 NodeToSurfaceOptions without_friction(const NodeToSurfaceOptions& options)
 {
-  if (options.friction != 0.0)
+  if (options.has_friction())
     throw std::invalid_argument("a law of the interface has its own friction: the pair's must be zero");
   return options;
 }
@@ -56,29 +56,14 @@ NodeLaw::NodeLaw(const surface::FunctionSpace& V, const surface::Facets& slave, 
     values->assign(num, 0.0);
   for (std::vector<double>* values : {&_last_shear, &_last_normal, &_last_motion, &_motion})
     values->assign(num * _gdim, 0.0);
-  _field_values.resize(_law->fields().size());
+  _fields = FieldsAtNodes(_law->fields());
 }
 
 void NodeLaw::assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   NodeToSurface::assign_numbers(halo, numbers, mass);
   _master_force.assign(_tracker.master_nodes().size(), {});
-  _owned_numbers.assign(numbers.begin(), numbers.begin() + _candidates.num_owned());
-  for (std::vector<double>& values : _field_values)
-    values.assign(halo.num_nodes(), 0.0);
-}
-
-/// Present values of the law's fields at the nodes of the Halo. Collective where there are fields.
-void NodeLaw::gather_fields()
-{
-  for (std::size_t f = 0; f < _field_values.size(); ++f)
-  {
-    const std::span<const double> given = _law->fields()[f].function->x()->array();
-    for (std::size_t node = 0; node < _owned_numbers.size(); ++node)
-      if (_owned_numbers[node] >= 0)
-        _field_values[f][_owned_numbers[node]] = given[node];
-    _halo->forward(_field_values[f], 1);
-  }
+  _fields.assign_numbers(halo, numbers, _candidates.num_owned());
 }
 
 /// Nodes within the law's reach, and what it sees of them.
@@ -125,13 +110,10 @@ void NodeLaw::find_points(const NodalState& state)
     for (InterfaceHistory::Variable& v : _history.variables)
       if (v.tangential)
         turn(D, n, v.committed.data() + i * D, v.turned.data() + i * D);
-    for (std::size_t f = 0; f < _field_values.size(); ++f)
+    for (std::size_t f = 0; f < _fields.size(); ++f)
     {
-      _points.slave_fields[f][p] = _field_values[f][point.node];
-      double there = 0.0;
-      for (int j = 0; j < point.num; ++j)
-        there += point.phi[j] * _field_values[f][point.masters[j]];
-      _points.master_fields[f][p] = there;
+      _points.slave_fields[f][p] = _fields.at(f, point.node);
+      _points.master_fields[f][p] = _fields.at(f, point.num, point.masters, point.phi);
     }
   }
   _points.resize(_found.size());
@@ -243,7 +225,7 @@ void NodeLaw::add_forces(const NodalState& state, std::span<double> f)
     _tracker.advance(state.u.data(), state.du.data());
     _tracker.activate_all(); // the law may act at a gap
   }
-  gather_fields();
+  _fields.gather(*_halo);
   _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../interface/InterfaceLaw.h"
+#include "FieldsAtNodes.h"
 #include "NodeToSurface.h"
 #include <memory>
 
@@ -37,7 +38,6 @@ private:
   void add_to(state::State& saved) const override;
   void resume_nodes(const state::State& saved) override;
   void drop_stored_energy(std::size_t i) override;
-  void gather_fields();
   template <int D>
   void find_points(const NodalState& state);
   template <int D>
@@ -60,9 +60,8 @@ private:
   std::vector<ContactPoint> _found;
   InterfacePoints _points;
   InterfaceTractions _tractions;
-  std::vector<double> _motion;                    ///< increment relative to the master [L]
-  std::vector<std::vector<double>> _field_values; ///< of each field, by number in the Halo
-  std::vector<std::int32_t> _owned_numbers;       ///< in the Halo, of the owned nodes of the space
+  std::vector<double> _motion; ///< increment relative to the master [L]
+  FieldsAtNodes _fields;
   struct alignas(32) Sum
   {
     double force[4] = {};

@@ -117,7 +117,7 @@ void TrialSprings::add_to(Mat matrix) const
   {
     const NodalSprings springs = direction->springs_at(_u);
     const std::size_t num = 1 + springs.num_masters;
-    const bool sticks = direction->options().friction > 0.0;
+    const bool sticks = direction->options().has_friction();
     for (std::size_t s = 0; s < springs.nodes.size(); ++s)
     {
       nodes.assign(1, springs.nodes[s]);

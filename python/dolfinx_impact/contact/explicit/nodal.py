@@ -12,6 +12,7 @@ from ...common.arguments import integer
 from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
+from ...interface.friction_law import FrictionLaw
 from ..output import ContactOutput
 from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
@@ -117,6 +118,8 @@ class NodalPair(ContactOutput):
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         if pair.rigid and options.get("balanced"):
             raise ValueError(f"{pair.name}: contact with a rigid master has one direction, it cannot be balanced")
+        if cpp_class is _cpp.nodal.NodePenalty:
+            pair.constant_friction("Penalty")
         if cpp_class is _cpp.nodal.KinematicContact:
             pair.refuse_rigid_body("kinematic contact")
             pair.refuse_angle("kinematic contact does not turn a rigid master: take Penalty")
@@ -173,12 +176,14 @@ class NodalPair(ContactOutput):
         """Make the C++ contact of this pair in one or both directions, of the options of its class. Collective."""
         pair = self.pair
         options |= dict(
-            friction=pair.friction,
+            friction=0.0 if isinstance(pair.friction, FrictionLaw) else pair.friction,
             search_distance=pair.search_distance or 0.0,
             axisymmetric=self.problem.axisymmetric,
             name=pair.name,
             adjustment=pair.adjustment,
         )
+        if self.kinematic and isinstance(pair.friction, FrictionLaw):
+            options["friction_law"] = pair.friction.in_cpp(self.V)
         slave, master = self._surfaces
         if balanced:
             assert isinstance(master, _cpp.surface.Facets)  # rigid masters were refused

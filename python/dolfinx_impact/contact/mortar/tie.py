@@ -80,7 +80,7 @@ class Tie(Fixed):
                     f"{pair.name}: a tie needs a surface of the mesh as master; what is tied to a rigid obstacle is "
                     "prescribed: give boundary conditions"
                 )
-            if pair.friction > 0.0:
+            if pair.has_friction:
                 raise ValueError(f"{pair.name}: tied surfaces do not rub: leave friction out, or take Lagrange")
             if pair.remove_penetration:
                 raise ValueError(

@@ -130,7 +130,7 @@ def _check_law(law: InterfaceLaw, pair: ContactPair, others: bool) -> None:
         raise TypeError(f"law must be an InterfaceLaw, found {type(law).__name__}")
     if others:
         raise ValueError("a law of the interface stands in the place of penalty, tangential, augmented and balanced")
-    if pair.friction > 0.0:
+    if pair.has_friction:
         raise ValueError(
-            f"{pair.name} has the friction {pair.friction:g}, and the law of the interface has its own: give it there"
+            f"{pair.name} has the friction {pair.friction}, and the law of the interface has its own: give it there"
         )

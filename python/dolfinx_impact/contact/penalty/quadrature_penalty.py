@@ -50,7 +50,8 @@ class QuadraturePenalty(StaticContactView):
         if law is not None:
             parameters.law = law.in_cpp(V)
             self.options = {**options, "law": law.identity(self.gdim)}
-        parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
+        parameters.friction = pair.constant_friction("Penalty")
+        parameters.axisymmetric = problem.axisymmetric
         parameters.search_distance, parameters.adjustment = pair.search_distance or 0.0, pair.adjustment
         owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
 
