@@ -4,7 +4,7 @@
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
-from rigid_body_checks import ball, block, pressed, round_body, thrown
+from rigid_body_checks import ball, block, groove, pressed, round_body, thrown
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
@@ -210,3 +210,26 @@ def check_nothing_holds_a_rotation():
         assert "nothing holds a rigid body along rz" in str(e), e
     else:
         raise AssertionError("a torque without friction has found its equilibrium")
+
+
+def check_a_disc_rests_in_a_groove():
+    """A V groove in statics: both walls bear the weight over the root of two, along their normals; with a torque that
+    friction bears, the torque is what their shear forces have, too."""
+    V, tagged, held = groove()
+    radius, weight = 0.6, 3.0
+    shape = di.RigidCylinder((0.0, 1.0 + np.sqrt(2.0) * radius), radius)
+    law = di.LinearElastic(500.0, 0.2, 1.0, "plane_strain")
+    for friction, torque in ((0.0, 0.0), (0.4, 0.3)):
+        given = {"inertia": 1.0, "torque": torque} if torque else {}
+        body = di.RigidBody(shape, force=(0.0, -weight), **given)
+        pairs = [di.ContactPair(tagged, k, body, friction=friction) for k in (1, 2)]
+        problem = di.StaticProblem(fem.Function(V), law, bcs=[held], contact=[di.Penalty(p) for p in pairs])
+        problem.solve(steps=1 if not torque else 2)
+        left, right = (c.force for c in problem.contact)
+        np.testing.assert_allclose(left + right, (0.0, -weight), rtol=0, atol=1e-6)
+        # RigidEquilibrium::tolerance, over the diagonal of the block.
+        np.testing.assert_allclose(body.torque, (0.0, 0.0, -torque), rtol=0, atol=1e-6)
+        if not torque:
+            np.testing.assert_allclose(left[1], right[1], rtol=1e-6)
+            # Points lie beside the foot of the disc's radius, as in check_a_disc_in_a_groove.
+            np.testing.assert_allclose(np.abs(left), 0.5 * weight, rtol=0.1)
