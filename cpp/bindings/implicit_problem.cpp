@@ -90,8 +90,7 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
           [](ImplicitBodyInTime* self, double mass, const std::array<double, 9>& inertia, const Vector& centre,
              const Vector& displacement, const Vector& velocity, const Vector& spin,
              const std::array<bool, 3>& fixed_velocity, const std::array<bool, 3>& fixed_spin, double length,
-             std::vector<std::size_t> contacts, const std::optional<Values>& force,
-             const std::optional<Values>& torque)
+             std::vector<std::size_t> contacts, const std::optional<Values>& force, const std::optional<Values>& torque)
           {
             new (self) ImplicitBodyInTime{
                 std::make_shared<ImplicitRigidBody>(
@@ -114,11 +113,11 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
           "momentum", [](const ImplicitBodyInTime& self, double) { return self.body->momentum(); }, nb::arg("dt"),
           "At the present time; dt: not used")
       .def(
-          "angular_momentum", [](const ImplicitBodyInTime& self, double) { return self.body->angular_momentum(); }, nb::arg("dt"),
-          "At the present time; dt: not used")
+          "angular_momentum", [](const ImplicitBodyInTime& self, double) { return self.body->angular_momentum(); },
+          nb::arg("dt"), "At the present time; dt: not used")
       .def(
-          "kinetic_energy", [](const ImplicitBodyInTime& self, double) { return self.body->kinetic_energy(); }, nb::arg("dt"),
-          "At the present time; dt: not used")
+          "kinetic_energy", [](const ImplicitBodyInTime& self, double) { return self.body->kinetic_energy(); },
+          nb::arg("dt"), "At the present time; dt: not used")
       .def_prop_ro("contact_force", [](const ImplicitBodyInTime& self) { return self.body->state().force; })
       .def_prop_ro("contact_torque", [](const ImplicitBodyInTime& self) { return self.body->state().torque; });
   nb::class_<NewmarkProblem>(m, "NewmarkProblem", "Motion of bodies by Newmark's method or generalised-alpha")

@@ -53,11 +53,8 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           nb::arg("contacts"), nb::arg("fixed"), nb::arg("force"), nb::arg("torque"), nb::keep_alive<1, 4>(),
           nb::keep_alive<1, 5>(), "A rigid master that loads and contacts move; views of force and torque on it")
       .def(
-          "turn_obstacle",
-          [](StaticProblem& self, std::size_t contact, Changeable angle, Changeable reached)
-          {
-            self.turn_obstacle(contact, {{angle.data(), angle.size()}, {reached.data(), reached.size()}});
-          },
+          "turn_obstacle", [](StaticProblem& self, std::size_t contact, Changeable angle, Changeable reached)
+          { self.turn_obstacle(contact, {{angle.data(), angle.size()}, {reached.data(), reached.size()}}); },
           nb::arg("contact"), nb::arg("angle"), nb::arg("reached"), nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>(),
           "Turn a contact's rigid master: views of its rotation vector, and of that which was reached")
       .def("move_obstacle", &StaticProblem::move_obstacle, nb::arg("contact"), nb::arg("displacement"),

@@ -60,8 +60,8 @@ public:
   /// empty: they do not change [L]
   virtual void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                           std::span<const double> target = {}) = 0;
-  /// Turn a rigid master about its centre (gap::Rigid::centre) in the increment that the next begin_step begins; without
-  /// this call it does not turn. Not collective.
+  /// Turn a rigid master about its centre (gap::Rigid::centre) in the increment that the next begin_step begins;
+  /// without this call it does not turn. Not collective.
   /// @param[in] rotation at the end of the increment, since the reference configuration
   /// @throws std::invalid_argument for a contact whose master cannot turn
   virtual void set_rotation(const gap::Matrix3&)

@@ -400,12 +400,15 @@ state::State CentralDifference::saved_state()
 
 state::State CentralDifference::empty_state() const
 {
-  return RunState(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies()).state(_fields.bs).copy();
+  RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
+  run.bodies = _contact.bodies(); // with as many values as they have
+  return run.state(_fields.bs).copy();
 }
 
 void CentralDifference::resume(const state::State& saved)
 {
   RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
+  run.bodies = _contact.bodies(); // with as many values as they have
   run.state(_fields.bs).assign(saved);
   start(run.u, run.v);
   std::copy(run.r.begin(), run.r.end(), _fields.r.begin());

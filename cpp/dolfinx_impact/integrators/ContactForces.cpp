@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ContactForces.h"
-#include "../gap/rotation.h"
 #include "../common/Stopwatch.h"
+#include "../gap/rotation.h"
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -53,6 +53,11 @@ void ContactForces::add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> 
     throw std::invalid_argument("contact with a rigid body acts by SpringForces, in one direction");
   add(std::move(pair), std::array{-1, -1, -1});
   _pairs.back().body = body;
+  add_body(std::move(body));
+}
+
+void ContactForces::add_body(std::shared_ptr<RigidBody> body)
+{
   if (std::ranges::find(_bodies, body, &Body::body) != _bodies.end())
     return;
   _bodies.push_back({std::move(body)});
@@ -62,6 +67,14 @@ void ContactForces::add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> 
   _first_rank = rank == 0;
   _forces.assign(_bodies.size() * sums_of_body, 0.0);
   _gathered.assign(_forces.size() * size, 0.0);
+}
+
+void ContactForces::add(std::shared_ptr<RigidContact> contact)
+{
+  for (const RigidBody* body : {contact->slave().get(), contact->master().get()})
+    if (body && std::ranges::none_of(_bodies, [&](const Body& b) { return b.body.get() == body; }))
+      throw std::invalid_argument("the bodies of a contact of rigid bodies are added before it");
+  _rigid_contacts.push_back(std::move(contact));
 }
 
 void ContactForces::set_body_loads(const RigidBody& body, std::array<int, 3> force, std::array<int, 3> torque)
@@ -78,6 +91,8 @@ void ContactForces::set_step(double dt)
   if (!(dt > 0.0))
     throw std::invalid_argument("the step of contact stiffnesses is " + std::to_string(dt) + ": it must be positive");
   _step = dt;
+  for (const auto& contact : _rigid_contacts)
+    contact->set_step(dt);
 }
 
 void ContactForces::reset()
@@ -198,6 +213,15 @@ void ContactForces::measure_bodies(double h, bool starts)
     b.body->measure(h, starts);
 }
 
+/// Sums of forces on what a body touches, of all ranks; null for no body.
+double* ContactForces::sums_of(const RigidBody* body)
+{
+  for (std::size_t i = 0; body && i < _bodies.size(); ++i)
+    if (_bodies[i].body.get() == body)
+      return _forces.data() + i * sums_of_body;
+  return nullptr;
+}
+
 void ContactForces::sum_forces_on_bodies()
 {
   if (_bodies.empty())
@@ -222,6 +246,25 @@ void ContactForces::sum_forces_on_bodies()
   std::ranges::fill(_forces, 0.0);
   for (std::size_t k = 0; k < _gathered.size(); ++k)
     _forces[k % _forces.size()] += _gathered[k];
+  // All ranks have these contacts, and compute the same.
+  for (const auto& contact : _rigid_contacts)
+  {
+    contact->evaluate();
+    double* const slave = sums_of(contact->slave().get());
+    double* const master = sums_of(contact->master().get());
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      slave[k] -= contact->force()[k];
+      if (master)
+        master[k] += contact->force()[k];
+    }
+    for (std::size_t k = 0; k < 9; ++k)
+    {
+      slave[3 + k] -= contact->moment_on_slave()[k];
+      if (master)
+        master[3 + k] += contact->moment_on_master()[k];
+    }
+  }
   for (std::size_t i = 0; i < _bodies.size(); ++i)
   {
     const double* const sums = _forces.data() + i * sums_of_body;
@@ -297,7 +340,7 @@ enforcement::NodalState ContactForces::state() const
 
 void ContactForces::check_step() const
 {
-  if (!empty() && !(_step > 0.0))
+  if (!(empty() && _rigid_contacts.empty()) && !(_step > 0.0))
     throw std::invalid_argument("contact has no step to make its stiffness for: call set_contact_step first");
 }
 
@@ -419,6 +462,12 @@ void ContactForces::add_energies(EnergySums& sums) const
       sums.speed += energies.after;
       sums.load_work += b.body->external_work();
     }
+  if (_first_rank)
+    for (const auto& contact : _rigid_contacts)
+    {
+      sums.stored += contact->stored();
+      sums.friction += contact->dissipated();
+    }
   sums.searches_due = _searches_due;
   for (const Pair& pair : _pairs)
   {
@@ -482,6 +531,8 @@ void ContactForces::forget_searches()
 void ContactForces::restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
                             const std::vector<Obstacle>& obstacles, const std::vector<RigidBodyState>& bodies)
 {
+  for (std::size_t i = 0; i < _bodies.size(); ++i)
+    _bodies[i].body->state() = bodies[i];
   if (empty())
     return;
   _nodes.restore(std::move(forces));
@@ -494,8 +545,6 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
     for (const auto& direction : _pairs[k].contact.directions())
       direction->restore_obstacle(motion_of(_pairs[k]));
   }
-  for (std::size_t i = 0; i < _bodies.size(); ++i)
-    _bodies[i].body->state() = bodies[i];
   place_bodies();
   for (enforcement::NodalContact* contact : _directions)
     contact->forget_search();

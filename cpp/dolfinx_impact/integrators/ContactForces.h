@@ -6,6 +6,7 @@
 #include "ContactNodes.h"
 #include "Loads.h"
 #include "RigidBody.h"
+#include "RigidContact.h"
 #include "energy.h"
 #include "update.h"
 #include <array>
@@ -46,6 +47,11 @@ public:
   /// @param[in] pair contact of a pair, in one direction
   /// @throws std::invalid_argument unless the pair acts by SpringForces in one direction
   void add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body);
+  /// A rigid body that may be the master of no pair.
+  void add_body(std::shared_ptr<RigidBody> body);
+  /// Contact of rigid bodies, which have been added.
+  /// @throws std::invalid_argument for bodies that have not
+  void add(std::shared_ptr<RigidContact> contact);
   /// Loads of a rigid body.
   /// @param[in] force, torque columns of the amplitudes; -1: there is none
   /// @throws std::invalid_argument for a body of no pair
@@ -160,6 +166,7 @@ private:
     std::array<int, 3> force{-1, -1, -1}, torque{-1, -1, -1}; ///< columns of the amplitudes
   };
   void place_bodies();
+  double* sums_of(const RigidBody* body);
   enforcement::NodalState state() const;
   /// Half the work of a pair's force in the motion of its rigid master.
   /// @param[in] turn what its rotation adds to the arms of the forces
@@ -169,6 +176,7 @@ private:
   MPI_Comm _comm;
   std::vector<Pair> _pairs;
   std::vector<Body> _bodies;
+  std::vector<std::shared_ptr<RigidContact>> _rigid_contacts;
   /// For each body force and moment, of this rank and of all.
   std::vector<double> _forces, _gathered;
   bool _first_rank = true;                             ///< has it what is the same on all ranks?

@@ -38,6 +38,8 @@ state::State RigidBodyState::state(const std::string& name)
   add("force", force);
   add("force_moment", force_moment);
   out.add("work_done", Place::all, work.done).add("work_before", Place::all, work.before);
+  if (!meetings.empty())
+    out.add("meetings", Place::all, meetings);
   return out;
 }
 

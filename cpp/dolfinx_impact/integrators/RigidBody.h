@@ -6,6 +6,7 @@
 #include "energy.h"
 #include <array>
 #include <string>
+#include <vector>
 
 namespace dolfinx_impact::integrators
 {
@@ -35,6 +36,7 @@ struct RigidBodyState
   std::array<double, 3> force{};                      ///< of contact, on the slaves, at the present time level [F]
   gap::Matrix3 force_moment{};                        ///< see NodalContact::force_moment [F L]
   Work work;                                          ///< of loads, and of contact forces where the motion is fixed
+  std::vector<double> meetings; ///< what contacts with other rigid bodies remember, see RigidContact
 
   /// As named arrays, views.
   state::State state(const std::string& name);

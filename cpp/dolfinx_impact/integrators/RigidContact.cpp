@@ -49,7 +49,13 @@ RigidContact::RigidContact(RigidContactOptions options, std::shared_ptr<RigidBod
     throw std::invalid_argument("areas of points of a rigid body are positive");
   if (_slave->mobility(1.0) == 0.0 && (!_master || _master->mobility(1.0) == 0.0))
     throw std::invalid_argument("two rigid bodies that cannot move do not meet");
-  _shear.assign(_options.points.size(), 0.0);
+  _memory = _slave->state().meetings.size();
+  _slave->state().meetings.resize(_memory + 2 + _options.points.size(), 0.0);
+}
+
+std::span<double> RigidContact::memory() const
+{
+  return std::span(_slave->state().meetings).subspan(_memory, 2 + _options.points.size());
 }
 
 /// Largest arm about the slave's centre that a force has; along the normal alone, those of balls have none.
@@ -108,7 +114,9 @@ void RigidContact::evaluate()
   }
   _force = {};
   _slave_moment = _master_moment = {};
-  _stored = 0.0;
+  const std::span<double> kept = memory();
+  double &stored = kept[0], &dissipated = kept[1];
+  stored = 0.0;
   _gap = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < _options.areas.size(); ++i)
   {
@@ -120,7 +128,7 @@ void RigidContact::evaluate()
         x[c] += motion.rotation[3 * c + d] * (_options.points[3 * i + d] - _slave->options().centre[d]);
     }
     const gap::RigidPoint at = gap::evaluate(_surface, std::span(x, std::size_t(_surface.gdim)));
-    double* const shear = _shear.data() + 3 * i;
+    double* const shear = kept.data() + 2 + 3 * i;
     const double gap = at.gap - _options.radius;
     _gap = std::min(_gap, gap);
     if (!(gap < 0.0))
@@ -133,7 +141,7 @@ void RigidContact::evaluate()
     for (int c = 0; c < 3; ++c) // the point of the slave's surface
       x[c] -= _options.radius * n[c];
     const double k = _stiffness * _options.areas[i] / _area, pressed = -k * gap;
-    _stored += 0.5 * k * gap * gap;
+    stored += 0.5 * k * gap * gap;
     if (_options.friction > 0.0)
     {
       gap::Vector3 moved{};
@@ -156,8 +164,8 @@ void RigidContact::evaluate()
         work -= now * slip;
         shear[c] = now;
       }
-      _dissipated += work;
-      _stored += 0.5 * dot(shear, shear, 3) / k;
+      dissipated += work;
+      stored += 0.5 * dot(shear, shear, 3) / k;
     }
     for (int c = 0; c < 3; ++c)
     {
@@ -170,12 +178,4 @@ void RigidContact::evaluate()
   }
 }
 
-state::State RigidContact::state(const std::string& name)
-{
-  using state::Place;
-  state::State out(name);
-  out.add("shear", Place::all, state::View(std::span(_shear)), 3);
-  out.add("stored", Place::all, _stored).add("dissipated", Place::all, _dissipated);
-  return out;
-}
 } // namespace dolfinx_impact::integrators

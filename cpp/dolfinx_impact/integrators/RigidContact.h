@@ -4,6 +4,7 @@
 #include "RigidBody.h"
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace dolfinx_impact::integrators
@@ -41,16 +42,16 @@ public:
   const gap::Matrix3& moment_on_slave() const { return _slave_moment; }
   const gap::Matrix3& moment_on_master() const { return _master_moment; }
   /// Energy in the springs, and work of friction so far [F L].
-  double stored() const { return _stored; }
-  double dissipated() const { return _dissipated; }
+  double stored() const { return memory()[0]; }
+  double dissipated() const { return memory()[1]; }
   /// Smallest gap of the points [L].
   double gap() const { return _gap; }
   /// Sum of the springs' stiffnesses along the normal [F/L].
   double stiffness() const { return _stiffness; }
-  /// What a run goes on from.
-  state::State state(const std::string& name);
 
 private:
+  /// Stored energy, work of friction, friction forces on the slave, [2 + 3*i + c]: in the slave's state.
+  std::span<double> memory() const;
   double largest_arm() const;
 
   RigidContactOptions _options;
@@ -59,7 +60,7 @@ private:
   double _area = 0.0, _stiffness = 0.0;
   gap::Vector3 _force{};
   gap::Matrix3 _slave_moment{}, _master_moment{};
-  std::vector<double> _shear; ///< friction forces on the slave, [3*i + c] [F]
-  double _stored = 0.0, _dissipated = 0.0, _gap = 0.0;
+  std::size_t _memory; ///< where the memory begins
+  double _gap = 0.0;   ///< smallest [L]
 };
 } // namespace dolfinx_impact::integrators

@@ -114,7 +114,8 @@ Quaternion RigidInertia::turned(const Quaternion& before, const Vector& L, doubl
     const double about_second = 1.0 / _moments[1] - 1.0 / _moments[0];
     const double about_third = 1.0 / _moments[2] - 1.0 / _moments[0];
     const auto component = [&](int k) { return along(times(matrix_of(q), _axes[k]), L); };
-    const auto half = [&] { q = product(q, quaternion_of(multiple(0.5 * dt * about_second * component(1), _axes[1]))); };
+    const auto half = [&]
+    { q = product(q, quaternion_of(multiple(0.5 * dt * about_second * component(1), _axes[1]))); };
     half();
     const double third = component(2);
     q = product(quaternion_of(multiple(dt / _moments[0], L)),

@@ -32,6 +32,13 @@ std::vector<std::shared_ptr<RigidBodyInTime>> bodies_of(const std::vector<Contac
   for (const ContactInTime& c : contacts)
     if (c.body && std::ranges::find(out, c.body) == out.end())
       out.push_back(c.body);
+  for (std::size_t i = 0; i < out.size(); ++i) // and those that they meet
+  {
+    const std::vector<RigidBodyInTime::Meeting> meetings = out[i]->meetings;
+    for (const RigidBodyInTime::Meeting& meeting : meetings)
+      if (meeting.master && std::ranges::find(out, meeting.master) == out.end())
+        out.push_back(meeting.master);
+  }
   return out;
 }
 
@@ -88,10 +95,14 @@ std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBo
   }
   for (const auto& rigid : bodies_of(contacts))
   {
+    out.add_body(in_integrator(rigid));
     const auto force = add_vector(problem.functions(), rigid->force, "the force on a rigid body");
     const auto torque = add_vector(problem.functions(), rigid->torque, "the torque on a rigid body");
     out.set_body_loads(rigid->body, force, torque);
   }
+  for (const auto& rigid : bodies_of(contacts))
+    for (const RigidBodyInTime::Meeting& meeting : rigid->meetings)
+      out.add_rigid_contact(meeting.contact);
   out.set_release_limit(options.release_limit);
   return integrator;
 }
@@ -159,7 +170,15 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
     for (const ContactInTime& c : contacts)
       if (c.body == rigid)
         pairs.push_back(&c.contact);
-    set_mobility(u.function_space()->mesh()->comm(), rigid->body, pairs);
+    const auto bodies = bodies_of(contacts);
+    const bool meets =
+        std::ranges::any_of(bodies,
+                            [&](const auto& body)
+                            {
+                              return std::ranges::any_of(body->meetings, [&](const RigidBodyInTime::Meeting& meeting)
+                                                         { return body == rigid || meeting.master == rigid; });
+                            });
+    set_mobility(u.function_space()->mesh()->comm(), rigid->body, pairs, meets);
   }
   std::optional<std::span<const double>> moduli;
   if (body.elasticity)

@@ -21,6 +21,7 @@ constexpr double first_part = 1e-6;  ///< of the bodies' size: the first motion,
 constexpr double longest = 0.05;     ///< of the bodies' size: a motion at once
 /// Least resistance to an unknown, of the largest, that counts: differences over `first_part` are rounded to 1e-10.
 constexpr double held = 1e-8;
+constexpr double shortest = 1e-9; ///< of the bodies' size: motions that are tried
 
 double norm(const std::vector<double>& values)
 {
@@ -209,29 +210,37 @@ solve::Increment RigidEquilibrium::run(const Solver& solver, std::span<const dou
       for (std::size_t i = 0; i < n; ++i)
         _stiffness[i * n + j] = (moved.missing[i] - now.missing[i]) / way - (i == j ? own[i] : 0.0);
     }
+    // What nothing resists yet, as friction does not before the body is pressed, is given the largest resistance: the
+    // iteration learns what there is, and says so if there is none.
+    double scale = 0.0;
+    for (double value : _stiffness)
+      scale = std::max(scale, std::abs(value));
+    _unheld.assign(n, 0);
+    for (std::size_t j = 0; j < n; ++j)
+    {
+      double resistance = 0.0;
+      for (std::size_t i = 0; i < n; ++i)
+        resistance = std::max(resistance, std::abs(_stiffness[i * n + j]));
+      if (!(resistance > held * scale))
+      {
+        _unheld[j] = 1;
+        _stiffness[j * n + j] = -scale;
+      }
+    }
     now = evaluate(solver, target, q);
   }
   double largest = longest * _size;
-  for (int k = 0; k < most_evaluations && now.increment.fault.empty() && !balanced(now); ++k)
+  for (int k = 0; k < most_evaluations && largest > shortest * _size && now.increment.fault.empty() && !balanced(now);
+       ++k)
   {
     std::vector<double> transposed(n * n), right(n);
-    double scale = 0.0;
     for (std::size_t i = 0; i < n; ++i)
     {
       right[i] = -now.missing[i];
       for (std::size_t j = 0; j < n; ++j)
       {
         transposed[j * n + i] = _stiffness[i * n + j] + (i == j ? own[i] : 0.0);
-        scale = std::max(scale, std::abs(transposed[j * n + i]));
       }
-    }
-    for (std::size_t j = 0; j < n; ++j)
-    {
-      double row = 0.0;
-      for (std::size_t i = 0; i < n; ++i)
-        row = std::max(row, std::abs(transposed[j * n + i]));
-      if (!(row > held * scale))
-        return fail(now.increment, "nothing holds a rigid body along " + component(j) + ": fix that component");
     }
     const auto step = solve::solve_dense(transposed, right);
     if (!step)
@@ -285,10 +294,14 @@ solve::Increment RigidEquilibrium::run(const Solver& solver, std::span<const dou
     return fail(now.increment, now.increment.fault);
   now.increment.iterations = _iterations;
   _solution = q;
-  if (!balanced(now))
-    return fail(now.increment, "the rigid bodies found no equilibrium: it lacks a force of " +
-                                   common::text("%.3e", norm(now.missing)) + ", relative " +
-                                   common::text("%.1e", norm(now.missing) / now.size));
-  return now.increment;
+  if (balanced(now))
+    return now.increment;
+  const auto worst = std::ranges::max_element(now.missing, {}, [](double value) { return std::abs(value); });
+  if (const std::size_t at = worst - now.missing.begin(); at < _unheld.size() && _unheld[at])
+    return fail(now.increment, "nothing holds a rigid body along " + component(at) +
+                                   ", where a force or a torque acts: fix that component");
+  return fail(now.increment, "the rigid bodies found no equilibrium: it lacks a force of " +
+                                 common::text("%.3e", norm(now.missing)) + ", relative " +
+                                 common::text("%.1e", norm(now.missing) / now.size));
 }
 } // namespace dolfinx_impact::problems

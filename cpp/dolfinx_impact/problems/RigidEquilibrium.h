@@ -82,6 +82,7 @@ private:
   /// empty: none [F/L].
   std::vector<double> _stiffness;
   std::vector<double> _solution;
+  std::vector<std::int8_t> _unheld; ///< unknowns that nothing resisted when `_stiffness` was measured
   int _iterations = 0, _most_iterations = 0;
 };
 } // namespace dolfinx_impact::problems

@@ -67,9 +67,9 @@ void StaticProblem::add_rigid_body(std::vector<std::size_t> contacts, const std:
 {
   if (contacts.empty())
     throw std::invalid_argument("a rigid body of a problem is the master of a contact");
-  const auto body = std::make_shared<StaticRigidBody>(
-      fixed, force, torque, _equilibrium->contacts.at(contacts.front())->centre(),
-      operators::body_size(*_equilibrium->space().mesh()));
+  const auto body =
+      std::make_shared<StaticRigidBody>(fixed, force, torque, _equilibrium->contacts.at(contacts.front())->centre(),
+                                        operators::body_size(*_equilibrium->space().mesh()));
   RigidEquilibrium(_equilibrium, {{body, contacts}});
   _rigid_bodies.push_back({body, std::move(contacts)});
 }
@@ -144,8 +144,7 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
       }
       return rigid.run(solver, goal);
     };
-    return steps.run(solve,
-                     {options.steps, options.cut_backs.value_or(several)});
+    return steps.run(solve, {options.steps, options.cut_backs.value_or(several)});
   }
   return steps.run(solver, {options.steps, options.cut_backs.value_or(several)});
 }

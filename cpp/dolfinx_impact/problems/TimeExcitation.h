@@ -62,7 +62,7 @@ private:
   std::vector<std::vector<double>> _given; ///< values of their constants while they are scaled
   std::shared_ptr<LoadedBody> _body;
   std::vector<LoadInTime> _forces;
-  std::vector<int> _columns;                                   ///< of the amplitudes of all loads; -1: one
+  std::vector<int> _columns; ///< of the amplitudes of all loads; -1: one
   struct Master
   {
     std::array<double, 3> start; ///< where it is

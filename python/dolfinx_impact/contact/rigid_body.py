@@ -126,6 +126,10 @@ class RigidBody(_Rigid):
         torque: external torque about the centre, likewise; in the plane a number will do [F L].
         fixed: components that keep their velocity of the start, as a support or a drive holds them: some of x, y, z,
             rx, ry, rz (rotations about the axes through the centre).
+        meets: other RigidBody objects, and rigid obstacles that do not move, that it touches in explicit problems: with
+            the surface of a RigidSphere, in the plane of a RigidCylinder, or with the points of a RigidSurface of
+            facets. Of two bodies one meets the other.
+        friction: coefficient of friction with what it meets [1].
 
     Attributes:
         surface: as given.
@@ -133,6 +137,8 @@ class RigidBody(_Rigid):
         inertia: tensor at the start, (3, 3); None: all rotations are fixed [M L^2].
         centre: centre of mass at the start, (3) [L].
         fixed: as given.
+        meets: as given.
+        friction: as given [1].
 
     Raises:
         TypeError: an argument is of the wrong type.
@@ -147,6 +153,8 @@ class RigidBody(_Rigid):
     inertia: FloatArray | None
     centre: FloatArray
     fixed: tuple[str, ...]
+    meets: tuple[_Rigid, ...]
+    friction: float
 
     def __init__(
         self,
@@ -159,6 +167,8 @@ class RigidBody(_Rigid):
         force: Any = None,
         torque: Any = None,
         fixed: Sequence[str] = (),
+        meets: _Rigid | Sequence[_Rigid] = (),
+        friction: float = 0.0,
     ) -> None:
         if not isinstance(surface, _Rigid) or isinstance(surface, RigidBody):
             raise TypeError(
@@ -199,6 +209,9 @@ class RigidBody(_Rigid):
                 "a spin that is fixed in some components, not in all, must be zero there: a body cannot turn freely "
                 "about one axis while it is driven about another"
             )
+        self.meets, self.friction = _met(meets), number("friction", friction)
+        if self.friction < 0.0:
+            raise ValueError(f"friction is {self.friction}: a coefficient of friction is zero or positive")
         self._body: _cpp.problems.RigidBodyInTime | _cpp.problems.ImplicitBodyInTime | StaticBody | None = None
         self._problem: Any = None  # weak reference to the problem that moves it
 
@@ -210,12 +223,15 @@ class RigidBody(_Rigid):
     def shape_description(self) -> str:
         inertia = None if self.inertia is None else self.inertia.tolist()
         start = [self._start_velocity.tolist(), self._start_spin.tolist()]
-        return f"body of {super().shape_description()} {self.mass!r} {inertia!r} {self.centre.tolist()!r} {start!r}"
+        met = f" meets {[other.shape_description() for other in self.meets]} {self.friction!r}" if self.meets else ""
+        return (
+            f"body of {super().shape_description()} {self.mass!r} {inertia!r} {self.centre.tolist()!r} {start!r}{met}"
+        )
 
     def same_on_all_ranks(self) -> list[Any]:
         """Surface, and what moves it."""
         start = [self._start_velocity, self._start_spin, self._force is None, self._torque is None]
-        return [self.surface, self.mass, self.inertia, self.centre, *start, self.fixed]
+        return [self.surface, self.mass, self.inertia, self.centre, *start, self.fixed, *self.meets, self.friction]
 
     def orientation_hint(self) -> str:
         return self.surface.orientation_hint()
@@ -271,9 +287,52 @@ class RigidBody(_Rigid):
         """
         if isinstance(self._body, _cpp.problems.RigidBodyInTime) and self._problem() is problem:
             return self._body
-        self._body = _cpp.problems.RigidBodyInTime(**self._in_time(problem))
+        self._body = body = _cpp.problems.RigidBodyInTime(**self._in_time(problem))
         self._problem = weakref.ref(problem)
-        return self._body
+        gdim = problem.space.mesh.geometry.dim
+        for other in self.meets:
+            if isinstance(other, RigidBody) and self in other.meets:
+                raise ValueError("of two rigid bodies one meets the other: name the other in `meets` of one of them")
+            points, areas, radius = self._touching(gdim)
+            master = other.obstacle(gdim)
+            master.displacement = [*map(float, other.displacement)]
+            met = other.bind(problem) if isinstance(other, RigidBody) else None
+            body.meet(points.ravel(), areas, radius, master, self.friction, met)
+        return body
+
+    def _touching(self, gdim: int) -> tuple[FloatArray, FloatArray, float]:
+        """Points of the surface before the displacement, (n, 3), areas that belong to them, (n), and the distance of
+        the surface from the points: of a ball its centre and its radius."""
+        shape = self.surface
+        if isinstance(shape, RigidSphere) or (isinstance(shape, RigidCylinder) and gdim == 2):
+            if shape._radius > 0.0:
+                return np.array([shape._point]), np.ones(1), shape._radius
+        found = getattr(shape, "vertices", lambda: None)()
+        if found is None:
+            raise ValueError(
+                f"a rigid body with the surface {shape!r} cannot meet others: one of two bodies has the surface of a "
+                "ball, of a disc in the plane, or a RigidSurface of facets, and `meets` the other"
+            )
+        points, areas = found
+        return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), areas, 0.0
+
+    def met_bodies(self) -> list[RigidBody]:
+        """Rigid bodies among what it meets, in their order."""
+        return [other for other in self.meets if isinstance(other, RigidBody)]
+
+    @property
+    def meeting_gaps(self) -> FloatArray:
+        """Smallest gap to each of what it meets, (n) [L]."""
+        body = self._moving()[0]
+        assert isinstance(body, _cpp.problems.RigidBodyInTime)
+        return np.array(body.meeting_gaps)
+
+    @property
+    def meeting_forces(self) -> FloatArray:
+        """Force on the body of each of what it meets, (n, 3) [F]."""
+        body = self._moving()[0]
+        assert isinstance(body, _cpp.problems.RigidBodyInTime)
+        return np.array(body.meeting_forces).reshape(-1, 3)
 
     def bind_implicit(self, problem: Any) -> _cpp.problems.ImplicitBodyInTime:
         """The body in an implicit problem, which moves it from now on.
@@ -287,12 +346,18 @@ class RigidBody(_Rigid):
         Raises:
             ValueError: as `bind`.
         """
+        self._refuse_meeting("implicit")
         contacts = [k for k, c in enumerate(problem.contact) if c.pair.rigid_body is self]
         length = float(np.linalg.norm(np.ptp(problem.space.mesh.geometry.x, axis=0)))
         length = problem.comm.allreduce(length, MPI.MAX)
         self._body = _cpp.problems.ImplicitBodyInTime(**self._in_time(problem), length=length, contacts=contacts)
         self._problem = weakref.ref(problem)
         return self._body
+
+    def _refuse_meeting(self, kind: str) -> None:
+        """Refuse contacts of rigid bodies with each other."""
+        if self.meets:
+            raise ValueError(f"rigid bodies meet each other in explicit problems, not in {kind} ones")
 
     def _in_time(self, problem: Any) -> dict[str, Any]:
         """Arguments of the body on the C++ side in a problem in time."""
@@ -332,6 +397,7 @@ class RigidBody(_Rigid):
         Raises:
             ValueError: it has a velocity, its surface is displaced, or a load is a function of time.
         """
+        self._refuse_meeting("static")
         if np.any(self._start_velocity) or np.any(self._start_spin):
             raise ValueError("a RigidBody of a static problem has no velocity and no spin")
         if np.any(self._displacement):
@@ -459,6 +525,20 @@ class RigidBody(_Rigid):
     def torque(self) -> FloatArray:
         """Torque of all contacts about the centre, (3) [F L]."""
         return np.array(self._moving()[0].contact_torque)
+
+
+def _met(given: Any) -> tuple[_Rigid, ...]:
+    """Checked bodies and obstacles that a body meets."""
+    met = (given,) if isinstance(given, _Rigid) else tuple(given)
+    for other in met:
+        if not isinstance(other, _Rigid):
+            raise TypeError(f"meets has {other!r:.60}: give rigid bodies and rigid obstacles")
+        if other.motion is not None or other.angle is not None:
+            raise ValueError(
+                "meets has an obstacle with a motion or an angle: give a RigidBody whose components are fixed, with a "
+                "velocity and a spin"
+            )
+    return met
 
 
 def _components(fixed: Any) -> tuple[str, ...]:

@@ -73,8 +73,10 @@ def contacts_in_time(contacts: Sequence[BoundContact], functions: FunctionsOfTim
         The C++ objects.
     """
     out = [contact_in_time(contact, functions) for contact in contacts]
-    for body in dict.fromkeys(c.pair.rigid_body for c in contacts):
-        for load in [] if body is None else body.loads():
+    bodies = list(dict.fromkeys(c.pair.rigid_body for c in contacts if c.pair.rigid_body is not None))
+    for body in bodies:  # the list grows by those that they meet
+        bodies += [other for other in body.met_bodies() if other not in bodies]
+        for load in body.loads():
             functions.add(load)
     return out
 

@@ -19,7 +19,9 @@ def implicit(comm, dim, master, friction=0.3, bcs=False, cells=None, law=None, p
     material = di.NeoHookean(100.0, 0.3, 1.0, "plane_strain" if dim == 2 else "3d")
     pair = di.ContactPair(tags, 1, master, friction=0.0 if law else friction)
     held = [fem.dirichletbc(np.zeros(dim), fem.locate_dofs_topological(V, dim - 1, tags.find(2)), V)] if bcs else []
-    return di.NewmarkProblem(fem.Function(V), material, bcs=held, contact=[di.Penalty(pair, law=law, **penalty)], **options)
+    return di.NewmarkProblem(
+        fem.Function(V), material, bcs=held, contact=[di.Penalty(pair, law=law, **penalty)], **options
+    )
 
 
 def momenta(problem, body):
@@ -62,7 +64,12 @@ def check_a_free_body_in_implicit_steps():
     """Without contact: a parabola, and a body that tumbles keeps its angular momentum, and nearly its energy."""
     shape = di.RigidSphere((0.5, 0.5, 6.0), 0.7)
     body = di.RigidBody(
-        shape, mass=0.5, inertia=(0.1, 0.2, 0.25), force=(0.0, 0.0, -4.0), velocity=(1.0, 0.0, 0.0), spin=(0.1, 3.0, 0.2)
+        shape,
+        mass=0.5,
+        inertia=(0.1, 0.2, 0.25),
+        force=(0.0, 0.0, -4.0),
+        velocity=(1.0, 0.0, 0.0),
+        spin=(0.1, 3.0, 0.2),
     )
     problem = implicit(COMM, 3, body, cells=2)
     angular, rotating = body.angular_momentum, 0.5 * body.angular_momentum @ body.spin
@@ -161,7 +168,9 @@ def check_torques_in_statics():
     other.solve()
     shape.displacement, shape.angle = body.position - body.centre, angle
     other.solve(steps=2)
-    np.testing.assert_allclose(other.contact[0].force, problem.contact[0].force, rtol=0, atol=0.01)  # friction: another path
+    np.testing.assert_allclose(
+        other.contact[0].force, problem.contact[0].force, rtol=0, atol=0.01
+    )  # friction: another path
 
 
 def check_a_plate_tilts():

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 import rigid_body_checks
+import rigid_meeting_checks
 import rigid_motion_checks
 from dolfinx import fem, mesh
 from mpi4py import MPI
@@ -14,6 +15,7 @@ import dolfinx_impact as di
 from dolfinx_impact.contact.rigid_body import StaticBody
 
 test_one_rank, test_several_ranks = rank_tests(rigid_body_checks, ranks=(2, 3))
+test_meetings_on_one_rank, test_meetings_on_two_ranks = rank_tests(rigid_meeting_checks, ranks=(2,))
 test_motion_on_one_rank, test_motion_on_two_ranks = rank_tests(rigid_motion_checks, ranks=(2,))
 
 SELF = MPI.COMM_SELF

@@ -231,7 +231,7 @@ ROWS = {
     di.RigidBody: ({"master": di.RigidBody}, {
         "surface": di.RigidCylinder((0.7, -9.6), 10.1), "mass": 51.0, "inertia": 2.1e3, "centre": (0.7, -9.1),
         "velocity": (0.0, 0.2), "spin": 0.02, "force": lambda t: (0.0, 1.0 + t, 0.0), "torque": None,
-        "fixed": ("x", "rz"),
+        "fixed": ("y",), "meets": di.RigidPlane((0.0, -30.0), (0.0, 1.0)), "friction": ELSEWHERE,
     }),
     di.PrescribedMotion: ({}, {"bc": lambda b: b.held[1], "amplitude": lambda t: 2.0 * t}),
 }  # fmt: skip
@@ -322,7 +322,7 @@ def takes(integrator, kind, name):
     static = kind is di.Penalty and name in (
         "tangential", "augmented", "quadrature_degree", "tolerance", "max_augmentations",
     )  # fmt: skip
-    if static or (kind, name) == (di.Penalty, "balanced"):
+    if static or (kind, name) in ((di.Penalty, "balanced"), (di.RigidBody, "meets")):
         return integrator is (IMPLICIT if static else EXPLICIT)
     return only.get(kind, integrator) is integrator
 

@@ -13,7 +13,7 @@ namespace dolfinx_impact::integrators
 /// Motion of a rigid body at one time, and the forces on it there; the same on all ranks.
 struct ImplicitRigidState
 {
-  gap::Vector3 displacement{};                 ///< of the centre [L]
+  gap::Vector3 displacement{};                  ///< of the centre [L]
   gap::Quaternion rotation{1.0, 0.0, 0.0, 0.0}; ///< since the start [1]
   /// Velocity and angular momentum [L/T], [M L^2/T].
   std::array<double, 6> rate{};
@@ -21,9 +21,9 @@ struct ImplicitRigidState
   std::array<double, 6> change{};
   /// The scheme's means of them, see Motion::mean.
   std::array<double, 6> mean{};
-  gap::Vector3 force{}, torque{};           ///< of contacts on the body, about its centre [F], [F L]
-  gap::Vector3 load{}, load_torque{};       ///< external [F], [F L]
-  double work = 0.0;                        ///< of loads, and of contact forces where the motion is fixed, so far [F L]
+  gap::Vector3 force{}, torque{};     ///< of contacts on the body, about its centre [F], [F L]
+  gap::Vector3 load{}, load_torque{}; ///< external [F], [F L]
+  double work = 0.0;                  ///< of loads, and of contact forces where the motion is fixed, so far [F L]
 
   /// As named arrays, views.
   state::State state(const std::string& name);
@@ -45,8 +45,7 @@ public:
              const gap::Vector3& torque);
   /// A step begins, with the loads at its end.
   /// @param[in] step its length [T]
-  void begin_step(const ImplicitScheme& scheme, double step, const gap::Vector3& load,
-                  const gap::Vector3& load_torque);
+  void begin_step(const ImplicitScheme& scheme, double step, const gap::Vector3& load, const gap::Vector3& load_torque);
   /// The step is accepted with values of the unknowns, and contact forces there.
   void accept(std::span<const double> q, const gap::Vector3& force, const gap::Vector3& torque);
   /// Values of the unknowns of the step's solution, which `accept` takes.
@@ -85,8 +84,8 @@ private:
   RigidInertia _inertia;
   std::vector<int> _free; ///< components
   bool _turns;
-  double _length;         ///< by which torques become forces [L]
-  double _scale;          ///< integral of the angular momentum per unknown [M L]
+  double _length; ///< by which torques become forces [L]
+  double _scale;  ///< integral of the angular momentum per unknown [M L]
   ImplicitRigidState _now;
   double _step = 0.0;
   std::optional<StepMotion> _motion; ///< increments of the step

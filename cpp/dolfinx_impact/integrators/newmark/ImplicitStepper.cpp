@@ -139,9 +139,7 @@ Forces ImplicitStepper::forces(const Motion& motion, const TimeValues& values)
   for (std::size_t i = 0; i < balance.size(); ++i)
     balance[i] += out.damping[i] + residual[i];
   const auto is_body = [this](std::size_t k)
-  {
-    return std::ranges::any_of(_bodies, [k](const Rigid& b) { return std::ranges::count(b.contacts, k) > 0; });
-  };
+  { return std::ranges::any_of(_bodies, [k](const Rigid& b) { return std::ranges::count(b.contacts, k) > 0; }); };
   for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
   {
     const auto& contact = _equations->contacts[k];
@@ -151,9 +149,10 @@ Forces ImplicitStepper::forces(const Motion& motion, const TimeValues& values)
     const bool moves = contact->displacement() && !is_body(k);
     out.obstacles.push_back(contact->displacement() ? contact->force().value_or(std::array<double, 3>{})
                                                     : std::array<double, 3>{});
-    out.torques.push_back(moves && contact->rotation()
-                              ? solve::force_on_master(*_equations, std::array{k}, solve::centre_of_master(*contact)).torque
-                              : std::array<double, 3>{});
+    out.torques.push_back(
+        moves && contact->rotation()
+            ? solve::force_on_master(*_equations, std::array{k}, solve::centre_of_master(*contact)).torque
+            : std::array<double, 3>{});
   }
   out.internal = residual;
   for (std::size_t i = 0; i < balance.size(); ++i)
