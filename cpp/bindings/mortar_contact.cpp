@@ -171,6 +171,9 @@ void dolfinx_impact::bindings::mortar_contact(nb::module_& m)
           "totals", [](Contact& c) -> ContactTotals& { return c.totals(); }, nb::rv_policy::reference_internal)
       .def_prop_ro("friction", &Contact::friction, "The largest coefficient that acts at a node [1]")
       .def_prop_ro(
+          "friction_coefficients", [](const Contact& c) { return array(c.friction_coefficients()); },
+          "At the nodes, (n) [1]. Collective")
+      .def_prop_ro(
           "usable", [](const Contact& c) { return mask(c.usable()); },
           "Nodes that carry a multiplier and may be moved along the normal, (n)")
       .def_prop_ro("nodal_stiffness", [](const Contact& c) { return array(c.nodal_stiffness()); }, "(n) [F/L]");

@@ -65,6 +65,7 @@ __all__ = [
     "ExplicitProblem",
     "FollowerPressure",
     "Foundation",
+    "FrictionLaw",
     "GeneralContact",
     "InelasticMaterial",
     "InterfaceLaw",

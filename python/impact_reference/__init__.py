@@ -69,6 +69,7 @@ from .rules import (
     reference_nodes,
     shape_functions,
 )
+from .sliding_mass import SlidingMass
 from .sparse import Csr
 from .tie import Tie, TieSolution
 
@@ -99,6 +100,7 @@ __all__ = [
     "RigidSphere",
     "RollingModel",
     "RollingSolution",
+    "SlidingMass",
     "Spinning",
     "StaticSolution",
     "Tie",

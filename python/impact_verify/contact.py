@@ -4,7 +4,7 @@ too."""
 
 import numpy as np
 
-from . import contact_patch, contact_static, interface_laws, tied
+from . import contact_patch, contact_static, interface_laws, stick_slip, tied
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -34,6 +34,7 @@ def run(report: Report, progress: bool = True) -> None:
                 patches(report, cell, hypothesis, degree, geometry_degree)
     contact_static.run(report)
     interface_laws.run(report)
+    stick_slip.run(report)
     tied.run(report)
 
 

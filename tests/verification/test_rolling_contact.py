@@ -188,3 +188,22 @@ def test_free_rolling_of_unlike_materials(friction, creep):
     # The wheel is softer: its material is stretched where it touches, and it turns faster than a rigid one.
     assert abs(wheel.creep) == pytest.approx(creep, rel=0.02)
     assert wheel.contact.pressure.max() == pytest.approx(103.4, rel=0.01)
+
+
+def test_falling_friction_bends_the_creep_curve():
+    """Where all of the contact slips, the force is the law's, of the rigid slip velocity to the strain's part in it."""
+    law = di.FrictionLaw(di.interface.falling_friction(0.4, 0.2, 2.0))
+    wheel = WheelOnRail([(82e3, 0.28)] * 2, radius=500.0, a=1.0, n=6, load=178.896, friction=law)
+    wheel.press(0.0066, torque=0.0)
+    found = {}
+    for creep in (4e-4, 6e-4, 1.5e-3, 5e-3):
+        wheel.spin.omega = -(1.0 + creep) * SPEED / 500.0
+        assert wheel.problem.solve().converged
+        found[creep] = wheel.contact.force[0] / wheel.contact.force[1]
+    slips = wheel.contact.status == di.ContactStatus.slip
+    assert slips.sum() > 10 and not np.any(wheel.contact.status == di.ContactStatus.stick)
+    for creep in (1.5e-3, 5e-3):
+        assert found[creep] == pytest.approx(0.2 + 0.2 * math.exp(-creep * SPEED / 2.0), rel=0.01)
+    assert found[4e-4] < found[6e-4] > found[1.5e-3] > found[5e-3]
+    v = np.linalg.norm(wheel.contact.slip_velocity, axis=1)[slips]
+    assert wheel.contact.friction_coefficient[slips] == pytest.approx(0.2 + 0.2 * np.exp(-v / 2.0), rel=1e-6)

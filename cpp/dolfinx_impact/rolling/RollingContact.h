@@ -107,6 +107,7 @@ public:
   state::State state() override;
   state::State saved_state() override;
   void accept_step() override;
+  std::vector<double> friction_coefficients() const override { return steady_friction(_slip_velocity, traction()); }
   /// Steady states have a slip velocity, and no slip that adds up: zeros [L].
   std::vector<double> slip() const override;
   std::vector<enforcement::ContactStatus> status() const override;

@@ -43,7 +43,8 @@ class ContactPair(Fixed):
         slave: tag of the slave surface; preferably the finer mesh and the softer body.
         master: tag of the master surface, a list of tags for several surfaces that one slave may touch, or a
             RigidPlane, RigidSphere, RigidCylinder, RigidSurface or RigidBody.
-        friction: coefficient of friction, zero or more [1].
+        friction: coefficient of friction, zero or more [1]; or a function that returns it in UFL, of `pressure`,
+            `slip_rate`, `normal`, or a FrictionLaw.
         search_distance: largest distance at which slave and master are paired; None: from the sizes of the facets [L].
         remove_penetration: add the initial penetration of contact points to their gaps, so that they are closed at the
             start; for meshes that overlap although the bodies do not. The same as `adjust=0.0`.

@@ -14,12 +14,13 @@ from dolfinx.mesh import Mesh
 from dolfinx_impact.common.progress_bar import transient_bar
 from dolfinx_impact.own_forms import distorted_block
 from dolfinx_impact.forms import registry
-from dolfinx_impact.interface import InterfaceLaw
+from dolfinx_impact.interface import FrictionLaw, InterfaceLaw
 from ..model_warnings import model_warnings_off
 from .definite import definiteness
 from .energy import energy, symmetry, taylor
 from .file import Source, source_of, sources
 from .findings import SelfCheckReport
+from .friction_law import check_friction_law
 from .interface_law import check_interface_law
 from .kernels import kernels
 from .manufactured import manufactured
@@ -80,7 +81,8 @@ def self_check(
 
     Args:
         form: function of a mesh that returns `verify.OwnForm` or residual and unknown; a UFL residual, energy or
-            bilinear form without functions that vary; a material; a law of the interface; or the path of a file.
+            bilinear form without functions that vary; a material; a law of the interface or of friction; or the path
+            of a file.
         name: name in a file; None: everything there that can be checked. Of other forms, how findings call it.
         cells: cells to check on; None: quadrilaterals and triangles, those that a file names in `cells`, or those of
             the form's own mesh.
@@ -88,7 +90,8 @@ def self_check(
         report: report to add to; None makes a new one.
         progress: show a progress bar.
         options: for forms of UFL: arguments of `verify.OwnForm` (u, energy, parameters, grounded, ...); for laws of the
-            interface `length`, `velocity` and `isotropic` of selfcheck.interface_law.check_interface_law.
+            interface `length`, `velocity` and `isotropic` of selfcheck.interface_law.check_interface_law, for those of
+            friction `pressure`, `velocity` and `isotropic` of selfcheck.friction_law.check_friction_law.
 
     Returns:
         Report with `rows` (check, what was found, tolerance, sentence) and `passed`.
@@ -101,6 +104,9 @@ def self_check(
     report = SelfCheckReport() if report is None else report
     if isinstance(form, InterfaceLaw):
         check_interface_law(report, form, name or form.name, **options)
+        return report
+    if isinstance(form, FrictionLaw):
+        check_friction_law(report, form, name or form.name, **options)
         return report
     for check in checks or ():
         if check not in CHECKS:

@@ -67,7 +67,7 @@ def described():
         di.RigidSurface.from_function(lambda x: 0.1 * x**2, (-1, 1), (0, 0), (0, 1)),
         di.Spin((0, 0), (0, 0, 1), 1.0), di.Translation((1.0, 0.0)), di.AmplitudeTable([0, 1], [0, 1]), di.Tie(pair),
         di.GeneralContact(tags), di.RigidBody(di.RigidSphere((0, 0), 1), mass=1.0, inertia=1.0),
-        di.InterfaceLaw(pressure=lambda gap: -gap),
+        di.InterfaceLaw(pressure=lambda gap: -gap), di.FrictionLaw(lambda pressure: 0.1 + 0 * pressure),
     ]  # fmt: skip
 
 

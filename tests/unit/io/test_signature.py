@@ -149,7 +149,8 @@ class Made:
             di.ContactPair, facet_tags=b.facets, slave=b.slave_surface, master=self.master(), friction=0.3,
             search_distance=0.9, smooth=self.changes.get("smooth", False),
         )  # fmt: skip
-        contact = self.chosen.get("contact", di.Penalty)
+        exact = di.Kinematic if self.integrator is EXPLICIT else di.Lagrange
+        contact = exact if self.changes.get("exact") else self.chosen.get("contact", di.Penalty)
         u, velocity = fem.Function(b.V), fem.Function(b.V)
         velocity.x.array.reshape(-1, 2)[:, 1] = -0.5
         given = {"u": u, "velocity": velocity, "contact": [self.of(contact, pair=pair)]}
@@ -176,6 +177,12 @@ def pressed(stiffness, power=lambda gap: -gap):
 
     law = di.InterfaceLaw(pressure, parameters={"stiffness": stiffness}, reach=0.1)
     return {di.ContactPair: {"friction": 0.0}, di.Penalty: {"law": law}}
+
+
+def rubbed(power):
+    """Friction by a law, in a method that takes it: changes of the pair."""
+    law = di.FrictionLaw(lambda pressure, parameters: parameters.mu / (1 + pressure) ** power, parameters={"mu": 0.3})
+    return {di.ContactPair: {"friction": law}, "exact": True}
 
 
 STATE = "state: the checkpoint has it"
@@ -279,6 +286,7 @@ MORE = {
     "normals of a smooth surface": ({}, {"smooth": normals(0.0)}, {"smooth": normals(0.3)}, "pair.smooth"),
     "how a law responds": ({"material": Creeping}, {}, {"law": CreepingOtherwise}, "material"),
     "a law of the interface": ({}, pressed(1e3), pressed(1e3, lambda gap: -gap**3), "contact.0..law"),
+    "a law of friction": ({}, rubbed(1), rubbed(2), "contact.0..pair.friction"),
     "parameters of a law of the interface": ({}, pressed(1e3), pressed(2e3), "contact.0..law"),
 }  # fmt: skip
 
@@ -337,8 +345,9 @@ def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results; laws of the
     interface, whose rows are in MORE; ties and general contact, whose own tests restore them."""
     others = {
-        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "GeneralContact", "InterfaceLaw",
-        "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidSurface", "RollingProblem", "Spin", "StaticProblem", "Tangent", "Tie", "Translation", "Units",
+        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "FrictionLaw", "GeneralContact", "InterfaceLaw",
+        "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidSurface", "RollingProblem", "Spin",
+        "StaticProblem", "Tangent", "Tie", "Translation", "Units",
     }  # fmt: skip
     classes = {name for name in di.__all__ if isinstance(getattr(di, name), type)}
     assert classes == others | {kind.__name__ for kind in ROWS if kind is not Creeping}

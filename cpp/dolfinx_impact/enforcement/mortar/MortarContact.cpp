@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "MortarContact.h"
+#include "../../common/dolfinx_api.h"
 #include "../../common/gather.h"
 #include "../../common/vectors.h"
 #include "../../gap/crossing.h"
@@ -14,6 +15,7 @@
 #include "node_edges.h"
 #include <algorithm>
 #include <cmath>
+#include <dolfinx/la/Vector.h>
 #include <functional>
 #include <limits>
 #include <stdexcept>
@@ -186,19 +188,30 @@ FrictionPoints MortarContact::law_points() const
   const std::size_t num = _geometry->num_nodes(), g = _geometry->gdim();
   FrictionPoints out = law.make_points(num);
   out.normal = _geometry->now().normal;
+  if (law.fields().empty())
+    return out;
+  dolfinx::la::Vector<double> on_slave(_geometry->map(), 1);
+  std::ranges::fill(common::array(on_slave), 0.0);
+  for (std::int32_t node : _geometry->slave().nodes)
+    common::array(on_slave)[node] = 1.0;
+  on_slave.scatter_rev(std::plus<double>());
   for (std::size_t f = 0; f < law.fields().size(); ++f)
   {
-    // The jump of the field between slave and master is that of a displacement's first component.
+    // Means over what a multiplier covers, as those of gaps: the field is a displacement's first component, of the slave
+    // alone and of both bodies.
     const std::span<const double> field = law.fields()[f].function->x()->array();
-    std::vector<double> values(std::size_t(_geometry->map()->size_local()) * g, 0.0);
-    for (std::size_t node = 0; node < values.size() / g; ++node)
-      values[node * g] = field[node];
-    const std::vector<double> jump = _geometry->jump(values);
+    std::vector<double> slave(std::size_t(_geometry->map()->size_local()) * g, 0.0), both(slave);
+    for (std::size_t node = 0; node < both.size() / g; ++node)
+    {
+      both[node * g] = field[node];
+      slave[node * g] = common::array(on_slave)[node] > 0.0 ? field[node] : 0.0;
+    }
+    const std::vector<double> here = _geometry->jump(slave), jump = _geometry->jump(both);
     for (std::size_t i = 0; i < num; ++i)
     {
-      const double here = values[std::size_t(nodes()[i]) * g], there = here - jump[i * g];
-      out.slave_fields[f][i] = here;
-      out.master_fields[f][i] = _geometry->obstacle() || !std::isfinite(there) ? 0.0 : there;
+      const bool faces = std::isfinite(here[i * g]);
+      out.slave_fields[f][i] = faces ? here[i * g] : field[nodes()[i]];
+      out.master_fields[f][i] = faces && !_geometry->obstacle() ? here[i * g] - jump[i * g] : 0.0;
     }
   }
   return out;

@@ -143,6 +143,8 @@ public:
   FrictionCoefficients law_coefficients(std::span<const double> pressure, std::span<const double> slip_rate) const;
   /// Points of the law at all nodes, with normals and fields. Collective where the law reads fields.
   FrictionPoints law_points() const;
+  /// Coefficients of friction at the nodes [1]. Collective where a law of rolling reads fields.
+  virtual std::vector<double> friction_coefficients() const { return coefficients(); }
   /// Gaps of nodes that are open, zero at others [L].
   std::vector<double> opened(std::span<const double> gap) const;
 

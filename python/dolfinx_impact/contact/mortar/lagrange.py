@@ -165,6 +165,11 @@ class LagrangeContact(StaticContactView):
         self._cpp_object.friction_traction = np.asarray(value, dtype=np.float64)
 
     @property
+    def friction_coefficient(self) -> FloatArray:
+        """Coefficients of friction of the present state, (n) [1]. Collective."""
+        return self._cpp_object.friction_coefficients
+
+    @property
     def traction_n(self) -> FloatArray:
         """Friction tractions of the last converged state, (n, gdim) [F/L^2]."""
         return self._cpp_object.traction_n
