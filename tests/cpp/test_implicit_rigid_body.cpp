@@ -78,7 +78,8 @@ TEST_CASE("a free top in implicit steps keeps its momenta and turns exactly")
   CHECK(body.kinetic_energy() == Approx(energy).epsilon(1e-13));
   // Precession of the axis about L by |L| t/I_1.
   const double size = std::hypot(L[0], L[1]), angle = 4.0 * size / 2.0;
-  const gap::Matrix3 R = body.rotation(), P = gap::matrix_of(gap::quaternion_of({angle * L[0] / size, angle * L[1] / size, 0.0}));
+  const gap::Matrix3 R = body.rotation(),
+                     P = gap::matrix_of(gap::quaternion_of({angle * L[0] / size, angle * L[1] / size, 0.0}));
   for (int k = 0; k < 3; ++k)
     CHECK(R[3 * k + 1] == Approx(P[3 * k + 1]).margin(1e-12));
 }

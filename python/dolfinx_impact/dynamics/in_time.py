@@ -120,7 +120,7 @@ def implicit_bodies(
         The C++ objects.
     """
     out = []
-    for body in dict.fromkeys(c.pair.rigid_body for c in contacts if not c.pair.rigid_body is None):
+    for body in dict.fromkeys(c.pair.rigid_body for c in contacts if c.pair.rigid_body is not None):
         for load in body.loads():
             functions.add(load)
         out.append(body.bind_implicit(problem))

@@ -187,11 +187,8 @@ def check_a_plate_tilts():
             contact = di.Penalty(di.ContactPair(tags, 1, master))
             return di.StaticProblem(fem.Function(V), law, bcs=[held], contact=[contact])
 
-        body = di.RigidBody(
-            di.RigidPlane(up, -up), inertia=1.0, centre=centre, force=force, fixed=("x", "rz") if dim == 2 else ("x", "y", "rz")
-        )  # fmt: skip
-        if dim == 2:
-            body = di.RigidBody(di.RigidPlane(up, -up), inertia=1.0, centre=centre, force=force, fixed="x")
+        fixed = ("x",) if dim == 2 else ("x", "y", "rz")
+        body = di.RigidBody(di.RigidPlane(up, -up), inertia=1.0, centre=centre, force=force, fixed=fixed)
         one = problem(body)
         one.solve()
         np.testing.assert_allclose(body.force[dim - 1], 2.0, rtol=1e-6)
