@@ -4,6 +4,7 @@
 #include "../common/gather.h"
 #include "../common/text.h"
 #include "../common/vectors.h"
+#include "../enforcement/penalty/QuadraturePenalty.h"
 #include "../rolling/critical_speed.h"
 #include "../solve/unconstrained_modes.h"
 #include "OneCall.h"
@@ -47,6 +48,13 @@ RollingProblem::RollingProblem(std::shared_ptr<StaticProblem> equilibrium, std::
   for (const auto& contact : p.contacts)
     if (auto* rolling = dynamic_cast<rolling::RollingContact*>(contact.get()))
       _contacts.push_back(rolling);
+    else if (const auto* penalty = dynamic_cast<const enforcement::QuadraturePenalty*>(contact.get());
+             contact->has_friction() ||
+             (penalty && penalty->options().law && penalty->options().law->make_history(0).variables.size() > 0))
+      throw std::invalid_argument(contact->name() +
+                                  ": a law with slip or internal variables needs points that stay with the material, "
+                                  "which flows through the mesh of a rolling problem: take Lagrange, with a law of "
+                                  "friction, or a law of the gap alone");
   for (const rolling::RollingContact* contact : _contacts)
     if (&contact->flow() != _flow.get())
       throw std::invalid_argument(contact->name() + " has another flow than the problem");

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import ufl
 from blocks import Blocks
-from dolfinx import fem
+from dolfinx import fem, mesh
 from dolfinx_impact import interface
 from mpi4py import MPI
 from on_ranks import rank_tests
@@ -92,3 +92,20 @@ def test_refusals():
 def test_a_plain_function_is_a_law():
     pair = Blocks("quadrilateral", (1, 1), (1, 1)).pair(friction=lambda pressure: 0.1 + 0 * pressure)
     assert isinstance(pair.friction, di.FrictionLaw) and pair.has_friction and "FrictionLaw" in repr(pair)
+
+
+def test_rolling_takes_laws_of_the_gap_alone():
+    """Points of a mesh that the material flows through have no slip of their own, and no history."""
+    blocks = Blocks("quadrilateral", (2, 1), (2, 1))
+    cells = blocks.mesh.topology.index_map(2).size_local
+    tags = mesh.meshtags(blocks.mesh, 2, np.arange(cells, dtype=np.int32), np.ones(cells, dtype=np.int32))
+    motions = {1: di.Translation((0.1, 0.0))}
+
+    def made(law):
+        contact = [di.Penalty(blocks.pair(), law=law)]
+        return di.RollingProblem(blocks.u, friction_checks.steel(2), tags, motions, contact=contact)
+
+    made(interface.exponential_pressure(10.0, 0.01))
+    for law in (interface.linear_pressure(1e3, friction=0.3), interface.cohesive_zone(1e4, 200.0, 8.0, 300.0, 12.0)):
+        with pytest.raises(ValueError, match="which flows through the mesh.*law of friction"):
+            made(law)
