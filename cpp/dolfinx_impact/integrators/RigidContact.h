@@ -29,7 +29,7 @@ public:
   /// @throws std::invalid_argument for points and areas that do not fit, or a slave that cannot move
   RigidContact(RigidContactOptions options, std::shared_ptr<RigidBody> slave, std::shared_ptr<RigidBody> master);
 
-  /// Stiffnesses for a step: the springs alone bear it with half of their limit [T].
+  /// Stiffnesses for a step, far below those that it bears [T].
   void set_step(double dt);
   /// Update the forces at the present places of the bodies, after a step or at the start. No allocation.
   void evaluate();

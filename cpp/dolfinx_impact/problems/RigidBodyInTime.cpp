@@ -12,6 +12,10 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
+/// How much softer springs are beside those to other rigid bodies, which have a two-hundredth of their limit: with a
+/// hundredth of the areas as the weight of these in Gershgorin's bound.
+constexpr double beside = 1.01;
+
 /// Largest arm about the centre that a contact force can have.
 double largest_arm(MPI_Comm comm, const enforcement::NodeToSurface& contact)
 {
@@ -71,6 +75,6 @@ void set_mobility(MPI_Comm comm, const integrators::RigidBody& body,
   }
   area = common::sum(comm, area);
   for (enforcement::NodeToSurface* contact : springs)
-    contact->set_mobility((meets ? 2.0 : 1.0) * area * body.mobility(arm));
+    contact->set_mobility((meets ? beside : 1.0) * area * body.mobility(arm));
 }
 } // namespace dolfinx_impact::problems

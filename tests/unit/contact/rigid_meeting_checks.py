@@ -44,7 +44,7 @@ def check_two_balls_collide():
         problem = meeting(COMM, 3, bodies[0])
         before, kinetic = momenta(bodies), problem.energy["kinetic"]
         velocities = [b.velocity for b in bodies]
-        problem.advance(1.0, progress=False)
+        problem.advance(1.0, dt=0.002, progress=False)
         # Some thousand steps.
         np.testing.assert_allclose(momenta(bodies), before, rtol=0, atol=1e-11)
         assert np.all(bodies[0].meeting_gaps > 0.0) and np.all(bodies[0].meeting_forces == 0.0)
@@ -79,10 +79,10 @@ def check_a_brick_slides():
     """Facets of a mesh as the slave: a brick on a floor is slowed down by friction alone, and stops."""
     body = brick((0.4, 0.0, 0.0), 0.2)
     problem = meeting(COMM, 3, body)
-    problem.advance(0.5, progress=False)
+    problem.advance(0.5, dt=0.002, progress=False)
     # Friction coefficient times weight over mass; it hops by what the springs give way.
     np.testing.assert_allclose(body.velocity[0], 0.4 - 0.2 * 1.5 * 0.5, rtol=0.03)
-    problem.advance(2.5, progress=False)
+    problem.advance(2.5, dt=0.002, progress=False)
     np.testing.assert_allclose(body.position[0], 0.5 + 0.4**2 / (2.0 * 0.3), rtol=0.02)
     assert abs(body.velocity[0]) < 0.02 and abs(body.position[2] - 5.15) < 1e-3
     np.testing.assert_allclose(body.rotation, np.eye(3), atol=0.01)
@@ -103,7 +103,7 @@ def check_a_ball_in_a_groove():
         lowest.append(body.position[2])
         impulse.append(left[2] + right[2])
 
-    problem.advance(0.3, progress=False, callback=look)
+    problem.advance(0.3, dt=0.002, progress=False, callback=look)
     assert min(lowest) < 5.0 + np.sqrt(2.0) * 0.5 and max(impulse) > 2.0 and body.velocity[2] > 0.05
     assert abs(body.position[0]) < 1e-10 and np.all(body.spin == 0.0)
     # It fell by 0.01 without contact: it comes back as high.
@@ -115,16 +115,16 @@ def check_checkpoints_of_meetings():
     whole = spheres(0.3)
     problem = meeting(COMM, 3, whole[0])
     while whole[0].meeting_forces.max() <= 0.0:
-        problem.advance(problem.time + 0.005, progress=False)
+        problem.advance(problem.time + 0.005, dt=0.0025, progress=False)
     with shared_folder() as path:
         problem.save(path / "half.h5")
         COMM.barrier()
         end = problem.time + 0.3
-        problem.advance(end, progress=False)
+        problem.advance(end, dt=0.0025, progress=False)
         parts = spheres(0.3)
         again = meeting(COMM, 3, parts[0])
         again.restore(path / "half.h5")
-        again.advance(end, progress=False)
+        again.advance(end, dt=0.0025, progress=False)
         for one, other in zip(whole, parts):
             for name in ("position", "velocity", "spin", "rotation"):
                 np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=0, atol=1e-12)
