@@ -129,6 +129,7 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
   for (const auto& [contact, angle] : _angles)
     steps.turn(contact, angle);
   const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
+  const solve::LoadStepOptions limits{options.steps, options.cut_backs.value_or(several), options.brings_together};
   if (!_rigid_bodies.empty())
   {
     std::vector<RigidMember> members;
@@ -144,9 +145,9 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
       }
       return rigid.run(solver, goal);
     };
-    return steps.run(solve, {options.steps, options.cut_backs.value_or(several)});
+    return steps.run(solve, limits);
   }
-  return steps.run(solver, {options.steps, options.cut_backs.value_or(several)});
+  return steps.run(solver, limits);
 }
 
 void StaticProblem::resume()

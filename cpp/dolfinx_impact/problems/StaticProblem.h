@@ -22,10 +22,11 @@ std::vector<std::int8_t> prescribed_dofs(const dolfinx::fem::FunctionSpace<doubl
 struct SolveOptions
 {
   int steps = 1;                               ///< equal increments
-  double rtol = 1e-10;                         ///< of the free residual, relative to the largest force so far [1]
+  double rtol = 1e-10;                         ///< of the free residual, see solve::NewtonOptions [1]
   double atol = 0.0;                           ///< of the free residual [F]
   int max_iterations = 25;                     ///< per increment
   std::optional<int> cut_backs = std::nullopt; ///< nothing: 8 with contact or several steps, else 0
+  bool brings_together = true;                 ///< see solve::LoadStepOptions
 };
 
 /// Whom a solve tells what it does.

@@ -3,6 +3,7 @@
 #include "../common/dolfinx_api.h"
 #include "../common/text.h"
 #include "../gap/rotation.h"
+#include "bring_together.h"
 #include "equilibrium.h"
 #include <algorithm>
 #include <cmath>
@@ -102,7 +103,9 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
   std::vector<std::int8_t> closed;
   for (const auto& contact : _problem->contacts)
     closed.push_back(contact->num_active() > 0);
-  std::vector<double> good(_start);
+  std::vector<double> good(_start);                                     // of the last converged increment
+  std::vector<double> from(_start);                                     // where the increment begins
+  bool brings = options.brings_together && !_problem->contacts.empty(); // in this increment
   while (done < 1.0 - 1e-12)
   {
     double fraction = std::min(done + width, 1.0);
@@ -153,6 +156,8 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
       report.add(increment, fraction);
       const std::span<const double> u = _problem->u->x()->array();
       good.assign(u.begin(), u.end());
+      from = good;
+      brings = options.brings_together && !_problem->contacts.empty();
       done = fraction;
       try
       {
@@ -166,18 +171,36 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
       }
       continue;
     }
-    go_back(good, saved);
+    go_back(from, saved);
+    std::string apart;
+    if (brings)
+    {
+      brings = false;
+      const Approach approach = bring_together(*_problem);
+      if (!approach.moved.empty())
+      {
+        log("  " + approach.moved);
+        report.brought_together.push_back(approach.moved);
+        const std::span<const double> u = _problem->u->x()->array();
+        from.assign(u.begin(), u.end());
+        continue;
+      }
+      if (!approach.obstacle.empty())
+        apart = " (bodies are not brought together: " + approach.obstacle + ")";
+    }
+    if (increment.hopeless || halved == options.cut_backs)
+      go_back(good, saved);
     if (increment.hopeless)
     {
       finish(done);
-      throw std::runtime_error(increment.fault);
+      throw std::runtime_error(increment.fault + apart);
     }
     if (halved == options.cut_backs)
     {
       finish(done);
       const std::string where = done > 0.0 ? " (reached " + common::text("%.4f", done) + " of the way)" : "";
       const std::string end = increment.fault.ends_with("?") && where.empty() ? "" : ".";
-      throw std::runtime_error(increment.fault + where + end +
+      throw std::runtime_error(increment.fault + apart + where + end +
                                (increment.advice.empty() ? "" : " " + increment.advice));
     }
     ++halved;

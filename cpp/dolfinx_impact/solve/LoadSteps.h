@@ -31,6 +31,7 @@ struct LoadStepReport
   std::vector<int> rejected_iterations;                    ///< of each increment that was halved
   std::vector<int> unsettled;                              ///< iterations whose active set did not converge
   SolveSeconds seconds;                                    ///< time spent on this rank
+  std::vector<std::string> brought_together;               ///< what bring_together has moved, in words
   std::vector<std::string> lost;                           ///< contacts that were closed and carry no force at the end
 
   void add(const Increment& increment, double fraction);
@@ -48,6 +49,8 @@ struct LoadStepOptions
 {
   int steps = 1;     ///< number of equal increments
   int cut_backs = 0; ///< largest number of times that the increment is halved
+  /// Whether bodies that are apart are brought together where an increment finds no equilibrium (bring_together).
+  bool brings_together = true;
 };
 
 /// Loads, prescribed displacements and obstacles go from their values at the last solve to their present ones, in

@@ -36,6 +36,8 @@ class Report:
         rejected_iterations: number of iterations of each increment that was halved [1].
         unsettled: number of iterations by increment in which the active set of the linearised problem did not converge;
             it has converged in later iterations [1].
+        brought_together: bodies that were apart and were moved together before an increment: how far, along which
+            direction, which contacts are closed then.
         seconds: time spent on this rank in "bodies" (residual, stiffness), "contact" (search, integrals, assembly,
             active set) and "linear" (condensation, preconditioner, solution) [s].
     """
@@ -49,6 +51,7 @@ class Report:
     cut_backs: int = 0
     rejected_iterations: list[int] = field(default_factory=list)
     unsettled: list[int] = field(default_factory=list)
+    brought_together: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
 
     def __str__(self) -> str:
@@ -233,12 +236,16 @@ def _begin(problem: LoadedProblem) -> Callable[[float], None]:
 
 def _report(problem: LoadedProblem, found: _cpp.solve.LoadStepReport, log: StepLog) -> Report:
     """What a solve has found, for users; warns of contacts that were lost."""
+    if problem.space.mesh.comm.rank == 0:
+        for moved in found.brought_together:
+            warn(moved)
     if found.lost and problem.space.mesh.comm.rank == 0:
         warn(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
     report = Report(
         iterations=found.iterations, residual_norms=found.residual_norms, active_set_sizes=found.active_set_sizes,
         contact_changes=found.contact_changes, fractions=found.fractions, cut_backs=found.cut_backs,
         rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=found.seconds,
+        brought_together=found.brought_together,
     )  # fmt: skip
     log(report.table())
     return report

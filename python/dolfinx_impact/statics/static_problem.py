@@ -313,13 +313,16 @@ class StaticProblem(BodyResults):
         """Solve for the present values of loads, boundary conditions and rigid obstacles, in steps from the values of
         the last solve. Collective.
 
+        Bodies that are apart and that contact alone can hold are brought together where the loads leave one way only,
+        see `Report.brought_together`; otherwise the error says why not.
+
         After an exception u, contacts, loads and obstacles are those of the last converged increment, from which the
         next solve continues.
 
         Args:
             steps: number of equal steps [1].
-            rtol: tolerance of the free residual, relative to the largest force so far: that at the supports, or that of
-                the tangent times u [1].
+            rtol: tolerance of the free residual, relative to the largest force: that at the supports, or that of the
+                tangent times u, in the present state or at the start of the increment [1].
             atol: tolerance of the free residual [F].
             max_iterations: largest number of iterations per step [1].
             cut_backs: largest number of times that the increment is halved if it does not converge; None: 8 with

@@ -39,6 +39,9 @@ constexpr double facing_of_lists = 0.5, sharp_of_lists = 0.985;
 constexpr double cells_behind = 3.0;
 /// Edges touch between their ends: farther from them than the depth, by this factor.
 constexpr double inside_factor = 2.0;
+/// Facets are equally near if their distances differ by less than this part: of those with one closest point, on an
+/// edge, that with the smaller id counts, whatever the rounding.
+constexpr double equally_near = 1e-9;
 /// Power of the mean that stands for the smallest height at a node: sums over ranks make it.
 constexpr int power = 8;
 /// Entries of _shared by node.
@@ -79,47 +82,6 @@ const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const sur
                                                 " pairs of surfaces: it can leave out " + std::to_string(most_pairs));
                 });
   return V;
-}
-} // namespace
-
-namespace
-{
-/// Increment of a point relative to another one, which has the rotation of the nodes that bear it: what forces with
-/// their moment correction do work on, and no rotation of both bodies changes.
-/// @param[in] r positions of num nodes about their mean
-/// @param[in] increment increment(j, c) of node j
-/// @param[in,out] motion relative to the point of the same weights, which does not turn
-template <int D>
-void add_rotation(const MomentCorrection& correction, int num, const double* r, auto&& increment, double* motion)
-{
-  const double *I = correction.inverse, *e = correction.e;
-  if constexpr (D == 2)
-  {
-    double spin = 0.0;
-    for (int j = 0; j < num; ++j)
-      spin += I[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0));
-    motion[0] -= spin * e[1];
-    motion[1] += spin * e[0];
-  }
-  else
-  {
-    double sum[3] = {};
-    for (int j = 0; j < num; ++j)
-    {
-      const double du[3] = {increment(j, 0), increment(j, 1), increment(j, 2)};
-      double part[3];
-      loop::cross(r + 3 * j, du, part);
-      for (int c = 0; c < 3; ++c)
-        sum[c] += part[c];
-    }
-    const double spin[3] = {I[0] * sum[0] + I[3] * sum[1] + I[4] * sum[2],
-                            I[3] * sum[0] + I[1] * sum[1] + I[5] * sum[2],
-                            I[4] * sum[0] + I[5] * sum[1] + I[2] * sum[2]};
-    double turn[3];
-    loop::cross(spin, e, turn);
-    for (int c = 0; c < 3; ++c)
-      motion[c] += turn[c];
-  }
 }
 } // namespace
 
@@ -518,9 +480,8 @@ bool GeneralContact::behind_neighbours(std::size_t f, const double* x, const sea
   {
     corners_at<D>(other, _x.data(), nullptr, corners);
     loop::side_normal(corners, num, k, normal);
-    constexpr double round_off = 1e-9;
     return loop::dot<D>(at.away, normal) < 0.0 &&
-           !(loop::closest(corners, num, x).squared < (1.0 - round_off) * at.squared);
+           !(loop::closest(corners, num, x).squared < (1.0 - equally_near) * at.squared);
   };
   if (at.side >= 0)
   {
@@ -569,15 +530,17 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
       continue;
     // Of an open node what is found behind counts before what is in front, of both the nearest. The side of a closed
     // one is known: the nearest counts.
-    if (spring.closed ? distance >= std::abs(touch.gap)
-        : front       ? touch.gap < 0.0 || distance >= touch.gap
-                      : touch.gap < 0.0 && distance >= -touch.gap)
+    const double nearer = (1.0 - equally_near) * std::abs(touch.gap);
+    if (spring.closed ? distance >= nearer
+        : front       ? touch.gap < 0.0 || distance >= nearer
+                      : touch.gap < 0.0 && distance >= nearer)
       continue;
     if (spring.closed ? loop::dot<D>(at.normal, spring.normal) < sliding : !faces<D>(node, at.normal))
       continue;
     if (!front && !at.inside() && !behind_neighbours<D>(f, x, at))
       continue;
-    const double gap = front ? along : distance <= rounding ? 0.0 : -distance;
+    const bool touches = distance <= rounding;
+    const double gap = front && at.flat ? along : touches ? 0.0 : front ? distance : -distance;
     double height = _height[_loops.corners(f)[0]];
     for (int j = 1; j < num; ++j)
       height = std::min(height, _height[_loops.corners(f)[j]]);
@@ -617,7 +580,7 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
     touch.gap = gap;
     std::copy_n(at.weights, 4, touch.weights);
     for (int c = 0; c < D; ++c)
-      touch.normal[c] = at.flat || gap >= 0.0 ? at.normal[c] : -at.away[c] / distance;
+      touch.normal[c] = at.flat || touches ? at.normal[c] : at.away[c] / (front ? distance : -distance);
   }
   if (!std::isfinite(touch.gap) && lost > _passage.facets)
     _passage = {_candidates.nodes()[i], lost, true};
@@ -653,7 +616,7 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       motion[c] = state.du[node * D + c];
     for (int k = 0; k < num; ++k)
     {
-      others += touch.weights[k] * _compliance[corners[k]] * _area[corners[k]];
+      others += touch.weights[k] * _compliance[corners[k]] * std::max(_area[node], _area[corners[k]]);
       for (int c = 0; c < D; ++c)
         motion[c] -= touch.weights[k] * state.du[std::size_t(corners[k]) * D + c];
     }
@@ -664,8 +627,8 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       correction.set<D>(
           num, [&](int k, int c) { return _x[std::size_t(corners[k]) * D + c]; }, touch.weights, _x.data() + node * D,
           r);
-      add_rotation<D>(
-          correction, num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; }, motion);
+      correction.add_rotation<D>(
+          num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; }, motion);
     }
     const double closing = loop::dot<D>(touch.normal, motion);
     const double stiffness = share_of_way / (_compliance[node] + others / _area[node]);
@@ -779,7 +742,7 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
     for (int c = 0; c < 3; ++c)
       point[c] = weights[0] * a.ends[0][c] + weights[1] * a.ends[1][c];
     correction.set<3>(4, [&](int k, int c) { return _x[std::size_t(nodes[k]) * 3 + c]; }, phi, point, r);
-    add_rotation<3>(correction, 4, r, [&](int k, int c) { return state.du[std::size_t(nodes[k]) * 3 + c]; }, motion);
+    correction.add_rotation<3>(4, r, [&](int k, int c) { return state.du[std::size_t(nodes[k]) * 3 + c]; }, motion);
   }
   const double closing = loop::dot<3>(at.normal, motion);
   spring.begin_at_rest(at.gap, closing, _first);

@@ -671,6 +671,22 @@ bool MortarContact::close_nearest()
   return true;
 }
 
+void MortarContact::open_apart()
+{
+  const int g = _geometry->gdim();
+  const std::vector<double>& gap = _geometry->now().gap;
+  for (std::size_t i = 0; i < gap.size(); ++i)
+  {
+    if (!_state.active[i] || gap[i] <= _geometry->tolerance())
+      continue;
+    _state.active[i] = _state.sliding[i] = 0;
+    _state.multiplier[i] = 0.0;
+    std::fill_n(&_state.friction_traction[i * g], g, 0.0);
+    std::fill_n(&_state.traction_n[i * g], g, 0.0);
+  }
+  tell_partners();
+}
+
 // --- linear problems -------------------------------------------------------------------------------------------------
 
 std::vector<double> MortarContact::at_nodes(std::span<const double> values) const
