@@ -11,9 +11,9 @@ namespace dolfinx_impact::integrators
 {
 namespace
 {
-/// Part of the largest stable stiffness that springs between rigid bodies have: an impact of two lasts pi/(2 sqrt(part)),
-/// some twenty, steps, which the energy needs.
-constexpr double part_of_limit = 0.005;
+/// Part of the largest stable stiffness that springs between rigid bodies have: an impact lasts pi/(2 sqrt(part)),
+/// seven, steps.
+constexpr double part_of_limit = 0.05;
 
 /// How the point at x of a body has moved in the last step.
 void add_increment(const gap::RigidMotion& motion, const gap::Vector3& centre, const double* x, double sign,

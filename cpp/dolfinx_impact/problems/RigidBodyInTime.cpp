@@ -12,9 +12,9 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
-/// How much softer springs are beside those to other rigid bodies, which have a two-hundredth of their limit: with a
-/// hundredth of the areas as the weight of these in Gershgorin's bound.
-constexpr double beside = 1.01;
+/// How much softer springs are beside those to other rigid bodies, which have a twentieth of their limit: with 0.06 of
+/// the areas as their weight in Gershgorin's bound, their row has 0.05 (1 + 1/0.06), less than one.
+constexpr double beside = 1.06;
 
 /// Largest arm about the centre that a contact force can have.
 double largest_arm(MPI_Comm comm, const enforcement::NodeToSurface& contact)

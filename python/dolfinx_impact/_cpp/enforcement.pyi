@@ -161,6 +161,15 @@ class StaticContact:
     ) -> None: ...
     @property
     def displacement(self) -> list[float] | None: ...
+    def set_rotation(self, rotation: Sequence[float]) -> None:
+        """
+        Rotation of a rigid master at the end of the next increment, row by row
+        """
+
+    @property
+    def rotation(self) -> list[float] | None:
+        """Of a rigid master that can turn, row by row; else None"""
+
     def state(self) -> dolfinx_impact._cpp.state.State:
         """What an increment starts from; views"""
 

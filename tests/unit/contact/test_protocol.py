@@ -86,6 +86,8 @@ def test_interfaces_in_cpp_ask_for_members_of_the_contacts(checkout):
     replaced = {"name", "state", "smallest_gap", "has_friction", "set_convex", "mortar"}
     # What laws of the interface ask for, which are C++ alone.
     replaced |= {"check_without_time", "set_time_step", "needs_line_search"}
+    # Rotation of rigid masters.
+    replaced |= {"set_rotation", "rotation", "centre"}
     assert asked["StaticContact"] - set(dir(QuadraturePenalty)) - members(protocol.StaticContact)[1] <= replaced
     assert len(asked["StaticContact"] & set(dir(LagrangeContact))) > 20
     assert len(asked["MultiplierContact"] & set(dir(LagrangeContact))) > 10
