@@ -306,7 +306,13 @@ def checkpoint(tmp_path_factory):
 
 def takes(integrator, kind, name):
     """Whether problems of an integrator take an argument of a class."""
-    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, di.GeneralContact: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
+    only = {
+        di.Lagrange: IMPLICIT,
+        di.Kinematic: EXPLICIT,
+        di.GeneralContact: EXPLICIT,
+        EXPLICIT: EXPLICIT,
+        IMPLICIT: IMPLICIT,
+    }
     static = kind is di.Penalty and name in (
         "tangential", "augmented", "quadrature_degree", "tolerance", "max_augmentations",
     )  # fmt: skip
