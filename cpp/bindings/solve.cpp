@@ -329,6 +329,7 @@ void bind_load_steps(nb::module_& m)
       .def_ro("cut_backs", &LoadStepReport::cut_backs)
       .def_ro("rejected_iterations", &LoadStepReport::rejected_iterations)
       .def_ro("unsettled", &LoadStepReport::unsettled)
+      .def_ro("brought_together", &LoadStepReport::brought_together)
       .def_ro("lost", &LoadStepReport::lost)
       .def_prop_ro("seconds", [](const LoadStepReport& self) { return by_part(self.seconds); });
 }

@@ -179,42 +179,63 @@ void NodePairs::add(Vector& force, const Vec<double>& f, std::int64_t node, cons
   }
 }
 
+NodePairs::Lever NodePairs::lever(const Vector& u, std::int64_t node, const Meeting& m) const
+{
+  const double share = 1 / double(m.masters.size());
+  Lever out{-1.0 * position(u, node), {}, Eigen::Matrix3d::Zero()};
+  Vec<double> centre;
+  for (std::size_t j = 0; j < m.masters.size(); ++j)
+  {
+    out.y.push_back(position(u, m.masters[j]));
+    out.arm = out.arm + m.phi[j] * out.y[j];
+    centre = centre + share * out.y[j];
+  }
+  // sum_j y_j x (omega x y_j) = sum_j (|y_j|^2 omega - (y_j . omega) y_j) from the nodes' mean.
+  for (Vec<double>& v : out.y)
+  {
+    v = v - centre;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b)
+        out.J(a, b) += (a == b ? dot(v, v) : 0.0) - v[a] * v[b];
+  }
+  return out;
+}
+
+Vec<double> NodePairs::spin(const Lever& lever, const Vec<double>& moment) const
+{
+  Vec<double> omega;
+  if (gdim() == 2)
+    omega[2] = moment[2] / lever.J(2, 2); // the other two components vanish: two nodes lie on a line
+  else
+  {
+    const Eigen::Vector3d w = lever.J.partialPivLu().solve(Eigen::Vector3d(moment[0], moment[1], moment[2]));
+    omega = {w(0), w(1), w(2)};
+  }
+  return omega;
+}
+
 std::vector<Vec<double>> NodePairs::moment_forces(const Vec<double>& f, const Vector& u, std::int64_t node,
                                                   const Meeting& m) const
 {
   std::vector<Vec<double>> forces(m.masters.size());
   if (rigid_ or slave_.axisymmetric)
     return forces;
-  const double share = 1 / double(m.masters.size());
-  Vec<double> lever = -1.0 * position(u, node), centre; // from the slave node to the master's point
-  std::vector<Vec<double>> y;
-  for (std::size_t j = 0; j < m.masters.size(); ++j)
-  {
-    y.push_back(position(u, m.masters[j]));
-    lever = lever + m.phi[j] * y[j];
-    centre = centre + share * y[j];
-  }
-  // sum_j y_j x (omega x y_j) = sum_j (|y_j|^2 omega - (y_j . omega) y_j) from the nodes' mean.
-  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
-  for (Vec<double>& v : y)
-  {
-    v = v - centre;
-    for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b)
-        J(a, b) += (a == b ? dot(v, v) : 0.0) - v[a] * v[b];
-  }
-  const Vec<double> moment = cross(lever, f); // f and -f leave the opposite
-  Vec<double> omega;
-  if (gdim() == 2)
-    omega[2] = moment[2] / J(2, 2); // the other two components vanish: two nodes lie on a line
-  else
-  {
-    const Eigen::Vector3d w = J.partialPivLu().solve(Eigen::Vector3d(moment[0], moment[1], moment[2]));
-    omega = {w(0), w(1), w(2)};
-  }
-  for (std::size_t j = 0; j < y.size(); ++j)
-    forces[j] = cross(omega, y[j]);
+  const Lever at = lever(u, node, m);
+  const Vec<double> omega = spin(at, cross(at.arm, f)); // f and -f leave the opposite
+  for (std::size_t j = 0; j < at.y.size(); ++j)
+    forces[j] = cross(omega, at.y[j]);
   return forces;
+}
+
+Vec<double> NodePairs::carried(const Vector& motion, const Vector& u, std::int64_t node, const Meeting& m) const
+{
+  if (rigid_ or slave_.axisymmetric)
+    return {};
+  const Lever lever_now = lever(u, node, m);
+  Vec<double> sum;
+  for (std::size_t j = 0; j < lever_now.y.size(); ++j)
+    sum = sum + cross(lever_now.y[j], at(motion, m.masters[j]));
+  return cross(lever_now.arm, spin(lever_now, sum)); // the slave node is at -arm from the master's point
 }
 
 void NodePairs::add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node,

@@ -87,8 +87,19 @@ public:
   std::vector<Vec<double>> moment_forces(const Vec<double>& f, const Vector& u, std::int64_t node,
                                          const Meeting& m) const;
   void add_moment(Vector& force, const Vec<double>& f, const Vector& u, std::int64_t node, const Meeting& m) const;
+  /// What the facet's rotation moves the slave node by, as if it were fixed to it, more than the master's point; none
+  /// if no moment is cancelled.
+  Vec<double> carried(const Vector& motion, const Vector& u, std::int64_t node, const Meeting& m) const;
 
 private:
+  struct Lever
+  {
+    Vec<double> arm;            // from the slave node to the master's point [L]
+    std::vector<Vec<double>> y; // the facet's nodes from their mean [L]
+    Eigen::Matrix3d J;          // sum of |y|^2 I - y y^T [L^2]
+  };
+  Lever lever(const Vector& u, std::int64_t node, const Meeting& m) const;
+  Vec<double> spin(const Lever& lever, const Vec<double>& moment) const; // J^-1 moment
   friend class Configuration;
   const Model& model_;
   Surface slave_, master_;
@@ -257,6 +268,7 @@ private:
     std::int64_t row, node;
     Meeting m;
     Vec<double> moved, f;          // predicted relative motion, force
+    Vec<double> carried;           // the part of the motion that is the facet's rotation
     double normal = 0, across = 0; // responses: 1 / effective mass along and across the normal
     bool cut = false;
     bool leaves = false; // its normal force is known before the sweeps

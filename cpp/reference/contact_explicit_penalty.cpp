@@ -75,6 +75,11 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       const double most = 2 * norm(moved);
       change = last.closed ? std::clamp(m.gap - last.gap, -most, most) : r;
       across = moved - r * m.normal;
+      if (friction_ > 0) // who sticks to a facet turns with it
+      {
+        const Vec<double> turned = pairs.carried(step.moved, step.u, node, m);
+        across = across - turned + dot(turned, m.normal) * m.normal;
+      }
     }
     const double k = spring.closed ? stiffness(pairs, node, m, step.dt) : last.stiffness;
     double stored = 0; // in the step before

@@ -108,6 +108,8 @@ void NodalKinematic::close(const ContactStep& step, const Vector& predicted, Kin
     if (m.on_facet) // forces act at t_n, along the normal that the facet has then
       closed.back().m.normal = pairs_.facet_normal(m, step.u);
     closed.back().leaves = leaves;
+    if (friction_ > 0)
+      closed.back().carried = pairs_.carried(motion, step.u, node, closed.back().m);
   }
   // What weighs on the nodes, and in which directions.
   for (const Closed& c : closed)
@@ -173,7 +175,7 @@ void NodalKinematic::sweep(const ContactStep& step, const Vector& moved, int num
     if (c.normal > 0 and not c.leaves)
       c.f = c.f + (factor * (-c.m.gap - dot(n, so_far)) / c.normal) * n;
     if (friction_ > 0 and c.across > 0)
-      c.f = c.f - (factor / c.across) * tangential(c.moved + so_far, n);
+      c.f = c.f - (factor / c.across) * tangential(c.moved - c.carried + so_far, n);
     const double normal = std::max(0.0, dot(c.f, n));
     Vec<double> t;
     c.cut = true;
@@ -196,7 +198,7 @@ void NodalKinematic::conclude(const ContactStep& step, const Vector& moved)
   {
     const Vec<double>& n = c.m.normal;
     const Vec<double> so_far = pairs_.relative(moved, {}, c.node, c.m), t = tangential(c.f, n);
-    const Vec<double> slip = tangential(c.moved + so_far, n);
+    const Vec<double> slip = tangential(c.moved - c.carried + so_far, n);
     push(answer_.force, c, step);
     if (friction_ > 0)
       pairs_.add(answer_.tangential, t, c.node, c.m);

@@ -9,6 +9,15 @@ namespace
 {
 /// Number of steps whose rounding errors may add up at random, as the root of their number: docs/explicit/energies.md.
 constexpr double random_steps = 1e6;
+
+/// What the product of the velocities before and after a time level has more than the energy that both steps see, to
+/// first order in the difference of their lengths: docs/explicit/energies.md, "Kinetic energy".
+/// @param[in] old kinetic energy half a step before; product: of both velocities; later: half a step after [F L]
+double change_of_step(const Steps& steps, double old, double product, double later)
+{
+  const double change = steps.after - steps.before, both = steps.after + steps.before;
+  return change / (both * both) * (steps.after * (product - old) + steps.before * (later - product));
+}
 } // namespace
 
 EnergyBalance::~EnergyBalance()
@@ -58,6 +67,7 @@ EnergySums EnergyBalance::local(const Sums& sums, const Steps& steps, std::span<
   {
     // What is done of a work, without the half before the time level, goes up to the middle of the step before.
     e.half_kinetic = 0.5 * sums.old_speed + contact.half_body_energy();
+    e.kinetic -= change_of_step(steps, e.half_kinetic, e.kinetic, e.speed);
     e.half_external = _load_work.done + _support_work.done + contact.half_obstacle_work();
     for (const ForceTerm& term : terms)
       if (term.kind() == WorkKind::external)

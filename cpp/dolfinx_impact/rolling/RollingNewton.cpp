@@ -90,7 +90,7 @@ solve::Increment RollingNewton::with_friction(std::span<const double> target)
   const std::span<const std::int32_t> fixed = _frictionless.prescribed();
   const std::span<double> u = common::array(*p.u->x());
   solve::Increment result;
-  double scale = 0.0;
+  double first = 0.0, scale = 0.0; // forces at the start of the increment, and the largest of these and the present
   int changes = 0;
   Mat K = nullptr;
   for (int iteration = 0;; ++iteration)
@@ -110,7 +110,9 @@ solve::Increment RollingNewton::with_friction(std::span<const double> target)
       for (std::size_t k = 0; k < forces.size(); ++k)
         equilibrium[k] -= forces[k];
     }
-    scale = std::max({scale, norm(equilibrium), norm(residual)});
+    scale = std::max(norm(equilibrium), norm(residual));
+    first = iteration == 0 ? scale : first;
+    scale = std::max(scale, first);
     std::vector<double> jump(fixed.size());
     for (std::size_t k = 0; k < fixed.size(); ++k)
     {

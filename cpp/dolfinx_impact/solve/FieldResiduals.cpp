@@ -23,6 +23,7 @@ FieldResiduals::FieldResiduals(MPI_Comm comm, std::vector<std::vector<std::int32
 
 void FieldResiduals::begin()
 {
+  _first.clear();
   _scales.assign(_dofs.size(), 0.0);
   _noises.assign(_dofs.size(), 0.0);
 }
@@ -69,8 +70,12 @@ void FieldResiduals::measure(Mat K, std::span<const double> moved, std::span<con
   for (std::size_t i = 0; i < size.size(); ++i)
   {
     _noises[i] = 4 * std::numeric_limits<double>::epsilon() * size[i];
-    _scales[i] = std::max({_scales[i], size[i], forces[i]});
+    _scales[i] = std::max(size[i], forces[i]);
   }
+  if (_first.empty())
+    _first = _scales;
+  for (std::size_t i = 0; i < size.size(); ++i)
+    _scales[i] = std::max(_scales[i], _first[i]);
 }
 
 bool FieldResiduals::small(std::span<const double> residual, double rtol, double atol) const

@@ -19,14 +19,15 @@ public:
 
   /// Begin an increment: nothing is known of it.
   void begin();
-  /// Take the size of the terms of a linearisation into account. Collective.
+  /// Take the size of the terms of a linearisation: the first one of an increment counts to its end, others until the
+  /// next one. Collective.
   /// @param[in] K tangent
   /// @param[in] moved unknowns, from where they are measured, owned
   /// @param[in] residual with that of supports, owned
   void measure(Mat K, std::span<const double> moved, std::span<const double> residual);
   /// Whether the equations of every field hold. Collective.
   /// @param[in] residual owned
-  /// @param[in] rtol relative to the largest terms of a field's equation so far [1]
+  /// @param[in] rtol relative to the largest terms of a field's equation [1]
   /// @param[in] atol of each field's equation
   bool small(std::span<const double> residual, double rtol, double atol) const;
 
@@ -35,6 +36,6 @@ private:
 
   MPI_Comm _comm;
   std::vector<std::vector<std::int32_t>> _dofs, _free;
-  std::vector<double> _scales, _noises;
+  std::vector<double> _first, _scales, _noises;
 };
 } // namespace dolfinx_impact::solve

@@ -2,6 +2,8 @@
 #include "LoadSteps.h"
 #include "../common/dolfinx_api.h"
 #include "../common/text.h"
+#include "../gap/rotation.h"
+#include "bring_together.h"
 #include "equilibrium.h"
 #include <algorithm>
 #include <cmath>
@@ -34,6 +36,7 @@ LoadSteps::LoadSteps(std::shared_ptr<const EquilibriumProblem> problem, std::vec
     _load_ends.emplace_back(load.value.begin(), load.value.end());
   for (const auto& contact : _problem->contacts)
     _obstacle_starts.push_back(contact->displacement());
+  _angles.resize(_obstacles.size());
 }
 
 void LoadSteps::log(const std::string& text) const
@@ -67,6 +70,8 @@ void LoadSteps::begin(double fraction)
       for (int c = 0; c < 3; ++c)
         (*there)[c] = (*_obstacle_starts[k])[c] + fraction * ((*_obstacles[k])[c] - (*_obstacle_starts[k])[c]);
     }
+    if (const std::span<const double> angle = _angles[k]; !angle.empty())
+      _problem->contacts[k]->set_rotation(gap::matrix_of(gap::quaternion_of({angle[0], angle[1], angle[2]})));
     _problem->contacts[k]->begin_step(_problem->u->x()->array(), there, prescribed);
   }
 }
@@ -98,7 +103,9 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
   std::vector<std::int8_t> closed;
   for (const auto& contact : _problem->contacts)
     closed.push_back(contact->num_active() > 0);
-  std::vector<double> good(_start);
+  std::vector<double> good(_start);                                     // of the last converged increment
+  std::vector<double> from(_start);                                     // where the increment begins
+  bool brings = options.brings_together && !_problem->contacts.empty(); // in this increment
   while (done < 1.0 - 1e-12)
   {
     double fraction = std::min(done + width, 1.0);
@@ -149,6 +156,8 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
       report.add(increment, fraction);
       const std::span<const double> u = _problem->u->x()->array();
       good.assign(u.begin(), u.end());
+      from = good;
+      brings = options.brings_together && !_problem->contacts.empty();
       done = fraction;
       try
       {
@@ -162,18 +171,36 @@ LoadStepReport LoadSteps::run(const Solver& solver, LoadStepOptions options)
       }
       continue;
     }
-    go_back(good, saved);
+    go_back(from, saved);
+    std::string apart;
+    if (brings)
+    {
+      brings = false;
+      const Approach approach = bring_together(*_problem);
+      if (!approach.moved.empty())
+      {
+        log("  " + approach.moved);
+        report.brought_together.push_back(approach.moved);
+        const std::span<const double> u = _problem->u->x()->array();
+        from.assign(u.begin(), u.end());
+        continue;
+      }
+      if (!approach.obstacle.empty())
+        apart = " (bodies are not brought together: " + approach.obstacle + ")";
+    }
+    if (increment.hopeless || halved == options.cut_backs)
+      go_back(good, saved);
     if (increment.hopeless)
     {
       finish(done);
-      throw std::runtime_error(increment.fault);
+      throw std::runtime_error(increment.fault + apart);
     }
     if (halved == options.cut_backs)
     {
       finish(done);
       const std::string where = done > 0.0 ? " (reached " + common::text("%.4f", done) + " of the way)" : "";
       const std::string end = increment.fault.ends_with("?") && where.empty() ? "" : ".";
-      throw std::runtime_error(increment.fault + where + end +
+      throw std::runtime_error(increment.fault + apart + where + end +
                                (increment.advice.empty() ? "" : " " + increment.advice));
     }
     ++halved;

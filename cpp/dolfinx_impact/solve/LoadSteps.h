@@ -31,6 +31,7 @@ struct LoadStepReport
   std::vector<int> rejected_iterations;                    ///< of each increment that was halved
   std::vector<int> unsettled;                              ///< iterations whose active set did not converge
   SolveSeconds seconds;                                    ///< time spent on this rank
+  std::vector<std::string> brought_together;               ///< what bring_together has moved, in words
   std::vector<std::string> lost;                           ///< contacts that were closed and carry no force at the end
 
   void add(const Increment& increment, double fraction);
@@ -48,6 +49,8 @@ struct LoadStepOptions
 {
   int steps = 1;     ///< number of equal increments
   int cut_backs = 0; ///< largest number of times that the increment is halved
+  /// Whether bodies that are apart are brought together where an increment finds no equilibrium (bring_together).
+  bool brings_together = true;
 };
 
 /// Loads, prescribed displacements and obstacles go from their values at the last solve to their present ones, in
@@ -67,6 +70,10 @@ public:
   LoadSteps(std::shared_ptr<const EquilibriumProblem> problem, std::vector<double> target, std::vector<Ramp> loads,
             std::vector<Displacement> obstacles, LoadStepEvents events = {});
 
+  /// Turn the rigid master of a contact.
+  /// @param[in] angle view of its rotation vector since the reference configuration, of a load that is applied in
+  /// parts [1]
+  void turn(std::size_t contact, std::span<const double> angle) { _angles[contact] = angle; }
   /// Solve all increments. Collective.
   /// @throws std::runtime_error an increment did not converge; the problem is in its last converged state then, as
   /// after exceptions of `solver` and events
@@ -84,6 +91,7 @@ private:
   std::vector<Ramp> _loads;
   std::vector<std::vector<double>> _load_ends;
   std::vector<Displacement> _obstacle_starts, _obstacles;
+  std::vector<std::span<const double>> _angles; ///< of rigid masters that turn as prescribed; empty: of others
   LoadStepEvents _events;
 };
 } // namespace dolfinx_impact::solve

@@ -136,7 +136,9 @@ Increment Newton::run(std::span<const double> target)
   const EquilibriumProblem& p = *_problem;
   Body& body = *p.body;
   Increment result;
-  double scale = 0.0, inner = 0.0, noise = 0.0, before = 0.0;
+  // Forces that residuals are relative to: those of the start of the increment, which has been accepted, and those of
+  // the present iterate. One that is far away on the way does not count any more when it has been left.
+  double first = 0.0, first_inner = 0.0, scale = 0.0, inner = 0.0, largest = 0.0, noise = 0.0, before = 0.0;
   double unbalanced = std::numeric_limits<double>::infinity();
   int round_start = 0;
   std::int64_t settling = 0;
@@ -183,7 +185,10 @@ Increment Newton::run(std::span<const double> target)
       if (_saddle)
         for (const enforcement::MultiplierContact* contact : _multipliers)
           subtract(residual, contact->contact_forces());
-      scale = std::max(scale, norm(residual));
+      scale = norm(residual);
+      largest = std::max(largest, scale);
+      first = iteration == 0 ? scale : first;
+      scale = std::max(scale, first);
       std::vector<double> without = residual;
       if (!_saddle)
         for (const enforcement::MultiplierContact* contact : _multipliers)
@@ -210,13 +215,28 @@ Increment Newton::run(std::span<const double> target)
     if (events.iteration)
       events.iteration(iteration, free, std::max(scale, inner), active, result.changes.back());
     const bool settled = iteration > 0 || _contacts.empty();
-    const double tolerance = std::max({_options.atol, noise, _options.rtol * std::max(scale, inner)});
+    double tolerance = std::max({_options.atol, noise, _options.rtol * std::max(scale, inner)});
     bool small = free <= tolerance;
     if (_fields)
     {
       if (_K)
         _fields->measure(_K, moved_from_origin(), residual);
       small = _fields->small(residual, _options.rtol, _options.atol) && small;
+    }
+    if (small && iteration > 0 && !body.properties().linear &&
+        (_fields || free > std::max(_options.atol, _options.rtol * scale)))
+    {
+      // It is small beside what the tangent of the last iterate has told: this one's own must tell so, too.
+      Mat K = stiffness();
+      inner = std::max(first_inner, tangent_force(K));
+      noise = round_off(K);
+      tolerance = std::max({_options.atol, noise, _options.rtol * std::max(scale, inner)});
+      small = free <= tolerance;
+      if (_fields)
+      {
+        _fields->measure(K, moved_from_origin(), residual);
+        small = _fields->small(residual, _options.rtol, _options.atol) && small;
+      }
     }
     if (iteration > 0 && !_multipliers.empty() && std::max(scale, inner) <= gap_round_off())
     {
@@ -260,7 +280,9 @@ Increment Newton::run(std::span<const double> target)
     if (iteration == 0 && !_contacts.empty() && !body.properties().has_inertia)
       if (const std::string loose = unconstrained_modes(K); !loose.empty())
         return result.failed(loose, true);
-    inner = std::max(inner, tangent_force(K));
+    inner = tangent_force(K);
+    first_inner = iteration == 0 ? inner : first_inner;
+    inner = std::max(inner, first_inner);
     if (_fields)
     {
       _fields->measure(K, moved_from_origin(), residual);
@@ -268,7 +290,7 @@ Increment Newton::run(std::span<const double> target)
     }
     const double in_bodies = round_off_of_bodies(K);
     noise = in_bodies + round_off_of_contact();
-    if (_inelastic && iteration > 0 && scale > 0.0 && in_bodies > far * scale)
+    if (_inelastic && iteration > 0 && largest > 0.0 && in_bodies > far * largest)
       return result.failed("Newton's method diverged: in iteration " + std::to_string(iteration) +
                            " the displacements are so large that the residual is round-off");
     // The accuracy that is still needed, but no more than the quadratic convergence of the next step.

@@ -18,7 +18,7 @@ namespace dolfinx_impact::solve
 {
 struct NewtonOptions
 {
-  double rtol = 1e-10;     ///< of the free residual, relative to the largest force so far [1]
+  double rtol = 1e-10;     ///< of the free residual, relative to the largest force now or at the increment's start [1]
   double atol = 0.0;       ///< of the free residual [F]
   int max_iterations = 25; ///< largest number of iterations
   double violation =

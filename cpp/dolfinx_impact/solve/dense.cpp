@@ -2,6 +2,8 @@
 #include "dense.h"
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <petscblaslapack.h>
 #include <stdexcept>
 #include <string>
@@ -63,6 +65,76 @@ double spectral_norm(std::vector<double> A, int n)
   if (info != 0)
     throw std::runtime_error("LAPACK's dgesvd ended with " + std::to_string(int(info)));
   return values.front();
+}
+
+std::vector<double> nonnegative_least_squares(const std::vector<std::vector<double>>& rows,
+                                              const std::vector<double>& b)
+{
+  constexpr double round_off = 1e-10;
+  const std::size_t n = rows.size();
+  const auto dot = [](const std::vector<double>& v, const std::vector<double>& w)
+  { return std::inner_product(v.begin(), v.end(), w.begin(), 0.0); };
+  std::vector<double> x(n, 0.0), residual(b);
+  std::vector<std::size_t> passive;
+  std::vector<std::int8_t> dependent(n, 0);
+  // Every solution on a passive set is better than the last: no set comes twice, and few are tried.
+  for (std::size_t tries = 0; tries < 3 * n + 10; ++tries)
+  {
+    std::size_t best = n;
+    double steepest = round_off * std::sqrt(dot(b, b));
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double slope = dot(rows[i], residual) / std::max(std::sqrt(dot(rows[i], rows[i])), 1e-300);
+          !dependent[i] && slope > steepest && !std::ranges::count(passive, i))
+      {
+        best = i;
+        steepest = slope;
+      }
+    if (best == n)
+      break;
+    passive.push_back(best);
+    while (!passive.empty())
+    {
+      const std::size_t m = passive.size();
+      std::vector<double> gram(m * m), right(m);
+      for (std::size_t i = 0; i < m; ++i)
+      {
+        right[i] = dot(rows[passive[i]], b);
+        for (std::size_t j = 0; j < m; ++j)
+          gram[j * m + i] = dot(rows[passive[i]], rows[passive[j]]);
+      }
+      const std::optional<std::vector<double>> y = solve_dense(gram, right);
+      if (!y)
+      {
+        dependent[passive.back()] = 1;
+        x[passive.back()] = 0.0;
+        passive.pop_back();
+        continue;
+      }
+      double part = 1.0;
+      for (std::size_t i = 0; i < m; ++i)
+        if ((*y)[i] <= 0.0)
+          part = std::min(part, x[passive[i]] / (x[passive[i]] - (*y)[i]));
+      bool leaves = false;
+      for (std::size_t i = 0; i < m; ++i)
+      {
+        double& value = x[passive[i]];
+        value += part * ((*y)[i] - value);
+        if ((*y)[i] <= 0.0 && value <= 1e-14 * std::abs((*y)[i]) + 1e-300)
+        {
+          value = 0.0;
+          leaves = true;
+        }
+      }
+      if (!leaves)
+        break;
+      std::erase_if(passive, [&](std::size_t i) { return x[i] == 0.0; });
+    }
+    residual = b;
+    for (std::size_t i : passive)
+      for (std::size_t k = 0; k < b.size(); ++k)
+        residual[k] -= x[i] * rows[i][k];
+  }
+  return x;
 }
 
 std::optional<std::vector<double>> inverse(std::vector<double> A, int n)

@@ -33,6 +33,13 @@ double spectral_radius(std::vector<double> A, int n);
 /// @throws std::runtime_error if LAPACK fails
 double spectral_norm(std::vector<double> A, int n);
 
+/// Non-negative x with the least |A^T x - b|, by the active set method of Lawson and Hanson, Solving least squares
+/// problems (1974), chapter 23.
+/// @param[in] rows of A, each as long as b
+/// @returns an entry per row
+std::vector<double> nonnegative_least_squares(const std::vector<std::vector<double>>& rows,
+                                              const std::vector<double>& b);
+
 /// Inverse of a small dense matrix, by LAPACK.
 /// @param[in] A entries [i*n + j]
 /// @returns entries of the inverse; nothing if the matrix is singular

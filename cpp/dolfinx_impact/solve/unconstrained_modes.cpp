@@ -97,36 +97,41 @@ std::vector<double> products_of_supports(const RigidBodyModes& motions, std::spa
 }
 } // namespace
 
+std::vector<std::vector<double>> free_modes(const RigidBodyModes& motions, const dolfinx::fem::FunctionSpace<double>& V,
+                                            std::span<const std::int8_t> fixed,
+                                            std::span<enforcement::StaticContact* const> contacts, bool axisymmetric,
+                                            Mat stiffness)
+{
+  const int num = motions.num_modes();
+  std::vector<double> gram = products_of_supports(motions, fixed);
+  for (const enforcement::StaticContact* contact : contacts)
+  {
+    const std::vector<double> products = contact->rigid_body_products(motions);
+    std::ranges::transform(gram, products, gram.begin(), std::plus{});
+  }
+  MPI_Allreduce(MPI_IN_PLACE, gram.data(), int(gram.size()), MPI_DOUBLE, MPI_SUM, motions.comm());
+  const SymmetricEigen found = symmetric_eigen(std::move(gram), num);
+  Combinations loose;
+  for (int k = 0; k < num && found.values[k] < unworked * std::max(found.values.back(), 1.0); ++k)
+    loose.emplace_back(found.vectors.begin() + k * num, found.vectors.begin() + (k + 1) * num);
+  if (!stiffness || loose.empty())
+    return loose;
+  // A law of small strains does not resist motions about the reference configuration, others those about the present
+  // one.
+  const std::size_t known = motions.body().size() * motions.gdim();
+  const RigidBodyModes at_rest(V, std::vector<double>(known, 0.0), axisymmetric);
+  Combinations present = without_resistance(stiffness, motions, loose);
+  Combinations reference = without_resistance(stiffness, at_rest, loose);
+  return reference.size() > present.size() ? reference : present;
+}
+
 std::vector<std::string> unconstrained_modes(const dolfinx::fem::FunctionSpace<double>& V,
                                              std::span<const std::int8_t> fixed,
                                              std::span<enforcement::StaticContact* const> contacts,
                                              std::span<const double> u, bool axisymmetric, Mat stiffness)
 {
   const RigidBodyModes motions(V, u, axisymmetric);
-  const int num = motions.num_modes();
-  const std::vector<double> supports = products_of_supports(motions, fixed);
-  const auto unconstrained = [&]
-  {
-    std::vector<double> gram(supports);
-    for (const enforcement::StaticContact* contact : contacts)
-    {
-      const std::vector<double> products = contact->rigid_body_products(motions);
-      std::ranges::transform(gram, products, gram.begin(), std::plus{});
-    }
-    MPI_Allreduce(MPI_IN_PLACE, gram.data(), int(gram.size()), MPI_DOUBLE, MPI_SUM, motions.comm());
-    const SymmetricEigen found = symmetric_eigen(std::move(gram), num);
-    Combinations loose;
-    for (int k = 0; k < num && found.values[k] < unworked * std::max(found.values.back(), 1.0); ++k)
-      loose.emplace_back(found.vectors.begin() + k * num, found.vectors.begin() + (k + 1) * num);
-    if (!stiffness || loose.empty())
-      return loose;
-    // A law of small strains does not resist motions about the reference configuration, others those about the present
-    // one.
-    const RigidBodyModes at_rest(V, std::vector<double>(u.size(), 0.0), axisymmetric);
-    Combinations present = without_resistance(stiffness, motions, loose);
-    Combinations reference = without_resistance(stiffness, at_rest, loose);
-    return reference.size() > present.size() ? reference : present;
-  };
+  const auto unconstrained = [&] { return free_modes(motions, V, fixed, contacts, axisymmetric, stiffness); };
   Combinations modes = unconstrained();
   if (!modes.empty())
   {

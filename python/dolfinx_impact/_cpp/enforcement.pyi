@@ -53,6 +53,41 @@ class ContactTotals:
     ) -> None:
         """Sum up a converged increment. Collective"""
 
+class FrictionCoefficients:
+    """Coefficients of friction at points; flat copies"""
+
+    @property
+    def value(self) -> NDArray[numpy.float64]: ...
+    @property
+    def by_pressure(self) -> NDArray[numpy.float64]:
+        """Empty: the law does not depend on it"""
+
+    @property
+    def by_slip_rate(self) -> NDArray[numpy.float64]:
+        """(n, gdim) flat; empty: the law does not depend on it"""
+
+class FrictionLaw:
+    """A law of friction by a kernel"""
+
+    def __init__(
+        self,
+        kernel: int,
+        gdim: int,
+        constants: Mapping[str, float],
+        fields: Mapping[str, dolfinx.cpp.fem.Function_float64],
+    ) -> None: ...
+    def set_constant(self, name: str, value: float) -> None: ...
+    @property
+    def gdim(self) -> int: ...
+    @property
+    def has_rates(self) -> bool: ...
+    @property
+    def has_pressure(self) -> bool: ...
+    def evaluate(self, values: Mapping[str, NDArray[numpy.floating[Any]]]) -> FrictionCoefficients:
+        """
+        At points: flat arrays by name: pressure, slip_rate, normal, NAME_slave and NAME_master of fields
+        """
+
 class InterfaceLaw:
     """A law of the interface by a kernel"""
 

@@ -140,6 +140,10 @@ class MortarContact(dolfinx_impact._cpp.enforcement.MultiplierContact):
         """The largest coefficient that acts at a node [1]"""
 
     @property
+    def friction_coefficients(self) -> NDArray[numpy.float64]:
+        """At the nodes, (n) [1]. Collective"""
+
+    @property
     def usable(self) -> NDArray[numpy.bool_]:
         """Nodes that carry a multiplier and may be moved along the normal, (n)"""
 
@@ -360,6 +364,7 @@ class MortarOptions:
         axisymmetric: bool = False,
         adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
         may_share_nodes: bool = True,
+        friction_law: dolfinx_impact._cpp.enforcement.FrictionLaw | None = None,
     ) -> None: ...
     @property
     def name(self) -> str: ...

@@ -83,6 +83,7 @@ class KinematicContact(NodeToSurface):
         axisymmetric: bool = False,
         name: str = "contact",
         adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
+        friction_law: dolfinx_impact._cpp.enforcement.FrictionLaw | None = None,
     ) -> None: ...
     @overload
     def __init__(
@@ -96,6 +97,7 @@ class KinematicContact(NodeToSurface):
         axisymmetric: bool = False,
         name: str = "contact",
         adjustment: dolfinx_impact._cpp.gap.GapAdjustment = ...,
+        friction_law: dolfinx_impact._cpp.enforcement.FrictionLaw | None = None,
     ) -> None: ...
     def correct(
         self,

@@ -11,8 +11,10 @@ from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from .. import _cpp
+from ..amplitude import is_in_time
 from ..common.interrupts import Interrupts
 from ..common.messages import inform, warn
+from ..common.types import FloatArray
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
@@ -35,6 +37,8 @@ class Report:
         rejected_iterations: number of iterations of each increment that was halved [1].
         unsettled: number of iterations by increment in which the active set of the linearised problem did not converge;
             it has converged in later iterations [1].
+        brought_together: bodies that were apart and were moved together before an increment: how far, along which
+            direction, which contacts are closed then.
         seconds: time spent on this rank in "bodies" (residual, stiffness), "contact" (search, integrals, assembly,
             active set) and "linear" (condensation, preconditioner, solution) [s].
     """
@@ -48,6 +52,7 @@ class Report:
     cut_backs: int = 0
     rejected_iterations: list[int] = field(default_factory=list)
     unsettled: list[int] = field(default_factory=list)
+    brought_together: list[str] = field(default_factory=list)
     seconds: dict[str, float] = field(default_factory=dict)
 
     def __str__(self) -> str:
@@ -123,9 +128,12 @@ class LoadedProblem(Protocol):
     Attributes:
         space: displacement space.
         recorders: recorders that write during a solve.
+        angles: rotation vectors of rigid masters that turn as prescribed, by number of the contact: at the present part
+            of a load step, and of the last solve, (3) [1].
     """
 
     space: FunctionSpace
+    angles: dict[int, tuple[FloatArray, FloatArray]]
     recorders: list[LoadStepRecorder]
 
     @property
@@ -204,6 +212,19 @@ def _begin(problem: LoadedProblem) -> Callable[[float], None]:
         if contact.pair.rigid:
             there = [float(value) for value in contact.pair.rigid_master.displacement]
             problem._cpp_object.move_obstacle(k, there)
+            if (contact.pair.rigid_master.angle is not None) != (k in problem.angles):
+                raise ValueError(
+                    f"{contact.pair.name}: give the rigid master its angle, (0, 0, 0) for a start, before the problem "
+                    "is made, and do not take it away"
+                )
+    for k, (angle, _) in problem.angles.items():
+        given = problem.contact[k].pair.rigid_master.angle
+        if is_in_time(given):
+            raise ValueError(
+                f"{problem.contact[k].pair.name}: the angle of the rigid master is a function of time: static problems "
+                "take a vector"
+            )
+        angle[:] = given
     for recorder in problem.recorders:
         recorder.begin()
 
@@ -216,12 +237,16 @@ def _begin(problem: LoadedProblem) -> Callable[[float], None]:
 
 def _report(problem: LoadedProblem, found: _cpp.solve.LoadStepReport, log: StepLog) -> Report:
     """What a solve has found, for users; warns of contacts that were lost."""
+    if problem.space.mesh.comm.rank == 0:
+        for moved in found.brought_together:
+            warn(moved)
     if found.lost and problem.space.mesh.comm.rank == 0:
         warn(f"contacts that were closed carry no force at the end of the solve: {'; '.join(found.lost)}")
     report = Report(
         iterations=found.iterations, residual_norms=found.residual_norms, active_set_sizes=found.active_set_sizes,
         contact_changes=found.contact_changes, fractions=found.fractions, cut_backs=found.cut_backs,
         rejected_iterations=found.rejected_iterations, unsettled=found.unsettled, seconds=found.seconds,
+        brought_together=found.brought_together,
     )  # fmt: skip
     log(report.table())
     return report

@@ -31,7 +31,7 @@ from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..io.mesh_check import check_cells
 from .load_steps import Limits, Report, SolveInCpp, run_steps
-from ..common.types import BoolArray, FilePath
+from ..common.types import BoolArray, FilePath, FloatArray
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
@@ -168,11 +168,20 @@ class StaticProblem(BodyResults):
         for load in self.loads:
             for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
                 self._cpp_object.add_load(constant.value, reached)
+        #: rotation vectors of rigid masters that turn as prescribed, by number of the contact: at the present part of a
+        #: load step, and of the last solve
+        self.angles: dict[int, tuple[FloatArray, FloatArray]] = {}
+        for k, c in enumerate(self.contact):
+            if c.pair.rigid and c.pair.rigid_body is None and c.pair.rigid_master.angle is not None:
+                self.angles[k] = np.zeros(3), np.zeros(3)
+                self._cpp_object.turn_obstacle(k, *self.angles[k])
         for body in dict.fromkeys(c.pair.rigid_body for c in self.contact):
             if body is not None:
                 bound = body.bind_static(self)
                 self._cpp_object.add_load(bound.force, bound.reached)
-                self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force)
+                if not all(bound.fixed[3:]):
+                    self._cpp_object.add_load(bound.torque, bound.reached_torque)
+                self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force, bound.torque)
         self.linear_solver: LinearSolver = LinearSolver.of(self.equilibrium.linear_solver)
         self._restart = StaticRestart(self)
 
@@ -304,13 +313,16 @@ class StaticProblem(BodyResults):
         """Solve for the present values of loads, boundary conditions and rigid obstacles, in steps from the values of
         the last solve. Collective.
 
+        Bodies that are apart and that contact alone can hold are brought together where the loads leave one way only,
+        see `Report.brought_together`; otherwise the error says why not.
+
         After an exception u, contacts, loads and obstacles are those of the last converged increment, from which the
         next solve continues.
 
         Args:
             steps: number of equal steps [1].
-            rtol: tolerance of the free residual, relative to the largest force so far: that at the supports, or that of
-                the tangent times u [1].
+            rtol: tolerance of the free residual, relative to the largest force: that at the supports, or that of the
+                tangent times u, in the present state or at the start of the increment [1].
             atol: tolerance of the free residual [F].
             max_iterations: largest number of iterations per step [1].
             cut_backs: largest number of times that the increment is halved if it does not converge; None: 8 with
@@ -382,5 +394,7 @@ class StaticProblem(BodyResults):
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
             "bcs": [arguments.value_of(bc) for bc in self.bcs],
             "forces on rigid bodies": [c.pair.rigid_body.external_force for c in self.contact if c.pair.rigid_body],
+            "torques on rigid bodies": [c.pair.rigid_body.external_torque for c in self.contact if c.pair.rigid_body],
+            "angles of the masters": [c.pair.rigid_master.angle for c in self.contact if c.pair.rigid],
             "displacement of the masters": [c.pair.rigid_master.displacement for c in self.contact if c.pair.rigid],
         }

@@ -85,47 +85,6 @@ const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const sur
 }
 } // namespace
 
-namespace
-{
-/// Increment of a point relative to another one, which has the rotation of the nodes that bear it: what forces with
-/// their moment correction do work on, and no rotation of both bodies changes.
-/// @param[in] r positions of num nodes about their mean
-/// @param[in] increment increment(j, c) of node j
-/// @param[in,out] motion relative to the point of the same weights, which does not turn
-template <int D>
-void add_rotation(const MomentCorrection& correction, int num, const double* r, auto&& increment, double* motion)
-{
-  const double *I = correction.inverse, *e = correction.e;
-  if constexpr (D == 2)
-  {
-    double spin = 0.0;
-    for (int j = 0; j < num; ++j)
-      spin += I[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0));
-    motion[0] -= spin * e[1];
-    motion[1] += spin * e[0];
-  }
-  else
-  {
-    double sum[3] = {};
-    for (int j = 0; j < num; ++j)
-    {
-      const double du[3] = {increment(j, 0), increment(j, 1), increment(j, 2)};
-      double part[3];
-      loop::cross(r + 3 * j, du, part);
-      for (int c = 0; c < 3; ++c)
-        sum[c] += part[c];
-    }
-    const double spin[3] = {I[0] * sum[0] + I[3] * sum[1] + I[4] * sum[2],
-                            I[3] * sum[0] + I[1] * sum[1] + I[5] * sum[2],
-                            I[4] * sum[0] + I[5] * sum[1] + I[2] * sum[2]};
-    double turn[3];
-    loop::cross(spin, e, turn);
-    for (int c = 0; c < 3; ++c)
-      motion[c] += turn[c];
-  }
-}
-} // namespace
-
 /// A facet that a node touches.
 struct GeneralContact::Touch
 {
@@ -668,8 +627,8 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       correction.set<D>(
           num, [&](int k, int c) { return _x[std::size_t(corners[k]) * D + c]; }, touch.weights, _x.data() + node * D,
           r);
-      add_rotation<D>(
-          correction, num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; }, motion);
+      correction.add_rotation<D>(
+          num, r, [&](int k, int c) { return state.du[std::size_t(corners[k]) * D + c]; }, motion);
     }
     const double closing = loop::dot<D>(touch.normal, motion);
     const double stiffness = share_of_way / (_compliance[node] + others / _area[node]);
@@ -783,7 +742,7 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
     for (int c = 0; c < 3; ++c)
       point[c] = weights[0] * a.ends[0][c] + weights[1] * a.ends[1][c];
     correction.set<3>(4, [&](int k, int c) { return _x[std::size_t(nodes[k]) * 3 + c]; }, phi, point, r);
-    add_rotation<3>(correction, 4, r, [&](int k, int c) { return state.du[std::size_t(nodes[k]) * 3 + c]; }, motion);
+    correction.add_rotation<3>(4, r, [&](int k, int c) { return state.du[std::size_t(nodes[k]) * 3 + c]; }, motion);
   }
   const double closing = loop::dot<3>(at.normal, motion);
   spring.begin_at_rest(at.gap, closing, _first);

@@ -197,8 +197,8 @@ FrictionPoints MortarContact::law_points() const
   on_slave.scatter_rev(std::plus<double>());
   for (std::size_t f = 0; f < law.fields().size(); ++f)
   {
-    // Means over what a multiplier covers, as those of gaps: the field is a displacement's first component, of the slave
-    // alone and of both bodies.
+    // Means over what a multiplier covers, as those of gaps: the field is a displacement's first component, of the
+    // slave alone and of both bodies.
     const std::span<const double> field = law.fields()[f].function->x()->array();
     std::vector<double> slave(std::size_t(_geometry->map()->size_local()) * g, 0.0), both(slave);
     for (std::size_t node = 0; node < both.size() / g; ++node)
@@ -669,6 +669,22 @@ bool MortarContact::close_nearest()
     _state.active[i] |= gap[i] < *near && _usable[i];
   tell_partners();
   return true;
+}
+
+void MortarContact::open_apart()
+{
+  const int g = _geometry->gdim();
+  const std::vector<double>& gap = _geometry->now().gap;
+  for (std::size_t i = 0; i < gap.size(); ++i)
+  {
+    if (!_state.active[i] || gap[i] <= _geometry->tolerance())
+      continue;
+    _state.active[i] = _state.sliding[i] = 0;
+    _state.multiplier[i] = 0.0;
+    std::fill_n(&_state.friction_traction[i * g], g, 0.0);
+    std::fill_n(&_state.traction_n[i * g], g, 0.0);
+  }
+  tell_partners();
 }
 
 // --- linear problems -------------------------------------------------------------------------------------------------

@@ -87,6 +87,8 @@ public:
   void forget() override { _geometry->forget(); }
   std::vector<double> rigid_body_products(const operators::RigidBodyModes& modes) const override;
   bool close_nearest() override;
+  /// Open the nodes that are apart, after bodies were moved without a solution; call after update_gap.
+  void open_apart();
 
   // --- multipliers ---------------------------------------------------------------------------------------------------
   std::span<const std::int32_t> nodes() const override { return _geometry->nodes(); }

@@ -45,7 +45,7 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
   _impulse.assign(n, 0.0);
   _closed_now.resize(n);
   _phi.resize(n * _num_masters);
-  for (std::vector<double>* a : {&_motion, &_nodal_force})
+  for (std::vector<double>* a : {&_motion, &_turn, &_nodal_force})
     a->assign(vector, 0.0);
   _moment_corrections.resize(n);
   _arms.resize(vector * _num_masters);
@@ -151,6 +151,13 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
     relative_to_master<D>(q, du, motion);
     for (int c = 0; c < D; ++c)
       motion[c] -= _rigid ? _obstacle_motion.increment[c] : 0.0;
+    // A node that sticks at a distance, within layers of the surfaces, turns with the facet: that is no slip.
+    double* turn = _turn.data() + q * D;
+    std::fill_n(turn, D, 0.0);
+    if (corrects_moments() && _options.has_friction())
+      _moment_corrections[q].add_rotation<D>(
+          _num_masters, _arms.data() + q * _num_masters * D,
+          [&](int j, int c) { return _tracker.masters()[point.corners[j]].du[c]; }, turn);
   }
   std::fill_n(_nodal_force.data(), _num_closed * D, 0.0);
 }
@@ -357,7 +364,7 @@ void KinematicContact::sweep(const double* correction, double h, double factor)
     if (_options.has_friction())
     {
       for (int c = 0; c < D; ++c)
-        moved[c] += _motion[q * D + c];
+        moved[c] += _motion[q * D + c] + _turn[q * D + c];
       const double away = dot(n, moved, D);
       for (int c = 0; c < D; ++c)
         more[c] = factor / h * _isotropic_mass[q] * (away * n[c] - moved[c]);
@@ -447,8 +454,9 @@ void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double 
       _tangential[i * D + c] = f[c] - normal * n[c];
     }
     _results.pressure[i] = normal / area;
+    const double* turn = _turn.data() + q * D;
     for (int c = 0; c < D; ++c)
-      slip[c] = moved[c] - dot(n, moved, D) * n[c];
+      slip[c] = moved[c] + turn[c] - (dot(n, moved, D) + dot(n, turn, D)) * n[c];
     const double along = 0.5 * normal * dot(n, before, D), along_later = 0.5 * normal * dot(n, moved, D);
     double work = along, later = along_later;
     if (corrects_moments())

@@ -107,7 +107,7 @@ private:
   std::vector<double> _impulse;         ///< decaying sum of those of the normal forces, by slave node [F T]
   std::vector<Closed> _closed_now;
   std::size_t _num_closed = 0;
-  std::vector<double> _phi, _motion, _nodal_force, _normal_mass, _isotropic_mass;
+  std::vector<double> _phi, _motion, _turn, _nodal_force, _normal_mass, _isotropic_mass;
   std::vector<MomentCorrection> _moment_corrections;
   std::vector<double> _arms; ///< of the moment corrections
   std::vector<std::int32_t> _contact_nodes;

@@ -73,6 +73,43 @@ struct MomentCorrection
     }
   }
 
+  /// Add what the rotation of the facet's nodes gives to the increment of the slave's node relative to the master's
+  /// point: what forces with their correction do work on, and no rotation of both bodies changes.
+  /// @param[in] num,r as in `set`
+  /// @param[in] increment increment(j, c) of node j [L]
+  /// @param[in,out] motion relative to the point, which does not turn [L]
+  template <int D>
+  void add_rotation(int num, const double* r, auto&& increment, double* motion) const
+  {
+    if constexpr (D == 2)
+    {
+      double spin = 0.0;
+      for_nodes(num,
+                [&](int j) { spin += inverse[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0)); });
+      motion[0] -= spin * e[1];
+      motion[1] += spin * e[0];
+    }
+    else
+    {
+      double m[3] = {};
+      for_nodes(num,
+                [&](int j)
+                {
+                  const double* a = r + 3 * j;
+                  const double du[3] = {increment(j, 0), increment(j, 1), increment(j, 2)};
+                  m[0] += a[1] * du[2] - a[2] * du[1];
+                  m[1] += a[2] * du[0] - a[0] * du[2];
+                  m[2] += a[0] * du[1] - a[1] * du[0];
+                });
+      const double w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
+                           inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
+                           inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
+      motion[0] += w[1] * e[2] - w[2] * e[1];
+      motion[1] += w[2] * e[0] - w[0] * e[2];
+      motion[2] += w[0] * e[1] - w[1] * e[0];
+    }
+  }
+
   /// @param[in] num,r as in `set`
   /// @param[in] f force on the slave's node
   /// @param[in,out] add add(j, c, value): value is component c of node j's force

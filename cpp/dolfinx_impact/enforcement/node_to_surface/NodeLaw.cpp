@@ -52,6 +52,9 @@ NodeLaw::NodeLaw(const surface::FunctionSpace& V, const surface::Facets& slave, 
   _history = _law->make_history(num);
   _points = _law->make_points(num);
   _found.reserve(num);
+  _last.assign(num, {});
+  _corrections.resize(num);
+  _arms.resize(num * surface::FacetElement::max_nodes * _gdim);
   for (std::vector<double>* values : {&_last_pressure, &_last_stored, &_last_shear_stored})
     values->assign(num, 0.0);
   for (std::vector<double>* values : {&_last_shear, &_last_normal, &_last_motion, &_motion})
@@ -62,8 +65,17 @@ NodeLaw::NodeLaw(const surface::FunctionSpace& V, const surface::Facets& slave, 
 void NodeLaw::assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers, std::span<const double> mass)
 {
   NodeToSurface::assign_numbers(halo, numbers, mass);
-  _master_force.assign(_tracker.master_nodes().size(), {});
+  _master_forces.resize(_tracker.master_nodes().size());
   _fields.assign_numbers(halo, numbers, _candidates.num_owned());
+  const surface::Facets& master = _tracker.master();
+  for (LastForce& last : _last) // its numbers are those of before
+  {
+    const auto at = std::ranges::lower_bound(master.id, last.facet);
+    if (last.facet >= 0 && at != master.id.end() && *at == last.facet)
+      std::copy_n(master.nodes_of(at - master.id.begin()), master.displacement.num_nodes(), last.corners);
+    else
+      last.facet = -1;
+  }
 }
 
 /// Nodes within the law's reach, and what it sees of them.
@@ -94,6 +106,15 @@ void NodeLaw::find_points(const NodalState& state)
     for (int j = 0; j < point.num; ++j)
       for (int c = 0; c < D; ++c)
         motion[c] -= point.phi[j] * masters[point.corners[j]].du[c];
+    if (corrects_moments())
+    {
+      double x[D], *arms = _arms.data() + p * surface::FacetElement::max_nodes * D;
+      position(i, state.u.data(), x);
+      MomentCorrection& correction = _corrections[p];
+      correction.set<D>(point.num, [&](int j, int c) { return masters[point.corners[j]].x[c]; }, point.phi, x, arms);
+      correction.add_rotation<D>(
+          point.num, arms, [&](int j, int c) { return masters[point.corners[j]].du[c]; }, motion);
+    }
     const double along = dot(n, motion, D);
     _points.row[p] = std::int32_t(i);
     _points.gap[p] = point.at.gap;
@@ -128,7 +149,7 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
   const double* motion = _motion.data() + p * D;
   const double area = _candidates.areas()[i], pressure = _tractions.pressure[p];
   // What the law returns along the normal does not count as shear.
-  double shear[D], last[D], force[4] = {};
+  double shear[D], force[4] = {};
   const double out = dot(n, _tractions.shear.data() + p * D, D);
   bool acts = pressure != 0.0, tangential = false;
   for (int c = 0; c < D; ++c)
@@ -138,14 +159,17 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
     force[c] = area * (pressure * n[c] + shear[c]);
   }
   acts = acts || tangential || !is_zero(_tractions.by_gap, p, 1 + D) || !is_zero(_tractions.by_slip, p, 1 + D);
-  // Work of the tractions by the trapezoidal rule, as the integrator counts it.
-  turn(D, n, _last_shear.data() + i * D, last);
+  // Work of the tractions by the trapezoidal rule, as the integrator counts it: the last ones act where they acted.
   const double along = dot(n, motion, D);
   double normal_work = 0.0, shear_work = 0.0;
   if (_begun)
-    normal_work = -0.5 * (_last_pressure[i] + pressure) * along;
-  for (int c = 0; c < D && _begun; ++c)
-    shear_work -= 0.5 * (last[c] + shear[c]) * (motion[c] - along * n[c]);
+  {
+    const HalfWork before = last_work(i, motion);
+    normal_work = before.normal - 0.5 * pressure * along;
+    shear_work = before.shear;
+    for (int c = 0; c < D; ++c)
+      shear_work -= 0.5 * shear[c] * (motion[c] - along * n[c]);
+  }
   const double shear_stored = _tractions.shear_energy.empty() ? 0.0 : _tractions.shear_energy[p];
   const double stored = _law->has_energy()
                             ? _tractions.energy[p]
@@ -171,20 +195,18 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
     f[std::size_t(point.node) * D + c] += force[c];
   }
   add_to_sums(i, state.u.data(), force);
-  Sum* sums = _master_force.data();
-  for (int j = 0; j < point.num; ++j)
-    for (int c = 0; c < D; ++c)
-      sums[point.corners[j]].force[c] -= point.phi[j] * force[c];
-  if (corrects_moments() && acts)
+  _master_forces.react<D>(point.num, point.corners, point.phi, force);
+  LastForce& now = _last[i];
+  now.facet = -1;
+  if (!_rigid)
   {
-    const search::MasterNode* masters = _tracker.masters();
-    double x[D], r[surface::FacetElement::max_nodes * D];
-    for (int c = 0; c < D; ++c)
-      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(point.node) * D + c];
-    MomentCorrection correction;
-    correction.set<D>(point.num, [&](int j, int c) { return masters[point.corners[j]].x[c]; }, point.phi, x, r);
-    correction.forces<D>(point.num, r, force,
-                         [&](int j, int c, double value) { sums[point.corners[j]].force[c] += value; });
+    now.facet = _tracker.master().id[point.at.facet];
+    std::copy_n(point.masters, point.num, now.corners);
+    std::copy_n(point.phi, point.num, now.phi);
+    std::fill_n(now.turn, point.num * D, 0.0);
+    if (corrects_moments() && acts)
+      _master_forces.correct<D>(_corrections[p], point.num, point.corners,
+                                _arms.data() + p * surface::FacetElement::max_nodes * D, force, now.turn);
   }
   if (!_rigid)
     _tracker.track(i, point.at);
@@ -207,11 +229,7 @@ void NodeLaw::add_all(const NodalState& state, std::span<double> f)
   for (InterfaceHistory::Variable& v : _history.variables)
     std::ranges::copy(v.updated, v.committed.begin());
   _begun = true;
-  // Zero again for the next step.
-  const auto masters = _tracker.master_nodes();
-  for (std::size_t k = 0; k < masters.size(); ++k)
-    for (int c = 0; c < D; ++c)
-      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
+  _master_forces.add_to(_tracker.master_nodes(), D, f);
 }
 
 void NodeLaw::add_forces(const NodalState& state, std::span<double> f)
@@ -226,25 +244,47 @@ void NodeLaw::add_forces(const NodalState& state, std::span<double> f)
     _tracker.activate_all(); // the law may act at a gap
   }
   _fields.gather(*_halo);
+  _du = state.du.data();
   _gdim == 2 ? add_all<2>(state, f) : add_all<3>(state, f);
 }
 
+/// The last force acts on the nodes that it acted on; where they are not known, along the normal of the last step.
+/// @param[in] motion of the present step relative to the master's present point [L]
+NodeLaw::HalfWork NodeLaw::last_work(std::size_t i, const double* motion) const
+{
+  const LastForce& last = _last[i];
+  const int num = last.facet >= 0 ? _tracker.master().displacement.num_nodes() : 0;
+  const double* const du = _du + std::size_t(_candidates.numbers()[i]) * _gdim;
+  double before[3], turn = 0.0;
+  for (int c = 0; c < _gdim; ++c)
+  {
+    before[c] = num > 0 ? du[c] : motion[c];
+    for (int j = 0; j < num; ++j)
+    {
+      const double there = _du[std::size_t(last.corners[j]) * _gdim + c];
+      before[c] -= last.phi[j] * there;
+      turn += last.turn[j * _gdim + c] * there;
+    }
+  }
+  HalfWork out;
+  out.normal = -0.5 * _last_pressure[i] * dot(_last_normal.data() + i * _gdim, before, _gdim);
+  out.shear = -0.5 * dot(_last_shear.data() + i * _gdim, before, _gdim) - 0.5 * turn * _per_area[i];
+  return out;
+}
+
 /// The node is out of reach, so that the law has no traction there. Half of the last one's work is done in this step,
-/// whose motion relative to the master is about that of the last step; the energy that is stored is dissipated.
+/// where its facet is not known any more by about the motion of the last step; the energy that is stored is dissipated.
 void NodeLaw::drop_stored_energy(std::size_t i)
 {
-  double work = 0.0;
-  const double along = dot(_last_normal.data() + i * _gdim, _last_motion.data() + i * _gdim, _gdim);
-  work -= 0.5 * _last_pressure[i] * along;
-  for (int c = 0; c < _gdim; ++c)
-    work -= 0.5 * _last_shear[i * _gdim + c] * _last_motion[i * _gdim + c];
-  const double dissipated = _candidates.areas()[i] * (work + _last_stored[i]);
+  const HalfWork work = last_work(i, _last_motion.data() + i * _gdim);
+  const double dissipated = _candidates.areas()[i] * (work.normal + work.shear + _last_stored[i]);
   if (_law->has_shear())
     _energy.friction += dissipated;
   else
     _energy.normal -= dissipated;
   _last_pressure[i] = _last_stored[i] = _last_shear_stored[i] = 0.0;
   std::fill_n(_last_shear.data() + i * _gdim, _gdim, 0.0);
+  _last[i].facet = -1;
 }
 
 NodeLaw::Derivatives NodeLaw::largest_derivatives() const
@@ -293,6 +333,20 @@ void NodeLaw::add_to(state::State& saved) const
   saved.add_own("law_normal", Place::node, _last_normal, _gdim);
   saved.add_own("law_motion", Place::node, _last_motion, _gdim);
   saved.add_own("law_energy", Place::node, _last_stored);
+  const int most = surface::FacetElement::max_nodes;
+  std::vector<double> facets, phi, turn;
+  for (const LastForce& last : _last)
+  {
+    facets.push_back(double(last.facet + 1)); // 0: not known
+    const bool known = last.facet >= 0;
+    for (int j = 0; j < most; ++j)
+      phi.push_back(known && j < _tracker.master().displacement.num_nodes() ? last.phi[j] : 0.0);
+    for (int k = 0; k < most * _gdim; ++k)
+      turn.push_back(known && k < _tracker.master().displacement.num_nodes() * _gdim ? last.turn[k] : 0.0);
+  }
+  saved.add_own("law_facet", Place::node, std::move(facets));
+  saved.add_own("law_phi", Place::node, std::move(phi), most);
+  saved.add_own("law_correction", Place::node, std::move(turn), most * _gdim);
   saved.add_own("law_shear_energy", Place::node, _last_shear_stored);
   for (const InterfaceHistory::Variable& v : _history.variables)
     saved.add_own(of_variable + v.name, Place::node, v.committed, v.size);
@@ -308,6 +362,16 @@ void NodeLaw::resume_nodes(const state::State& saved)
   set("law_normal", _last_normal);
   set("law_motion", _last_motion);
   set("law_energy", _last_stored);
+  const auto facets = saved.values<double>("law_facet");
+  const auto phi = saved.values<double>("law_phi"), turn = saved.values<double>("law_correction");
+  constexpr std::size_t most = surface::FacetElement::max_nodes;
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+  {
+    _last[i] = {};
+    _last[i].facet = std::int64_t(facets[i]) - 1;
+    std::copy_n(phi.data() + i * most, most, _last[i].phi);
+    std::copy_n(turn.data() + i * most * _gdim, most * _gdim, _last[i].turn);
+  }
   set("law_shear_energy", _last_shear_stored);
   for (InterfaceHistory::Variable& v : _history.variables)
     set(of_variable + v.name, v.committed);

@@ -2,11 +2,21 @@
 #pragma once
 #include "../interface/InterfaceLaw.h"
 #include "FieldsAtNodes.h"
+#include "MasterForces.h"
 #include "NodeToSurface.h"
 #include <memory>
 
 namespace dolfinx_impact::enforcement
 {
+/// Where the force of the last step on a slave's node acts on the master.
+struct LastForce
+{
+  std::int64_t facet = -1;                                ///< id; -1: none, or not known
+  std::int32_t corners[surface::FacetElement::max_nodes]; ///< numbers of the facet's nodes
+  double phi[surface::FacetElement::max_nodes];           ///< shape functions at the point [1]
+  double turn[3 * surface::FacetElement::max_nodes];      ///< moment correction, [j*gdim + c] [F]
+};
+
 /// Explicit contact by a law of the interface: tractions at slave nodes times their areas, docs/interface_laws.md.
 ///
 /// The law is asked in every step at all nodes within its reach, or within the search distance if that is less.
@@ -38,6 +48,12 @@ private:
   void add_to(state::State& saved) const override;
   void resume_nodes(const state::State& saved) override;
   void drop_stored_energy(std::size_t i) override;
+  /// Half of the work of the last tractions is done in the present step, over the node's area [F/L].
+  struct HalfWork
+  {
+    double normal = 0.0, shear = 0.0;
+  };
+  HalfWork last_work(std::size_t i, const double* motion) const;
   template <int D>
   void find_points(const NodalState& state);
   template <int D>
@@ -62,10 +78,10 @@ private:
   InterfaceTractions _tractions;
   std::vector<double> _motion; ///< increment relative to the master [L]
   FieldsAtNodes _fields;
-  struct alignas(32) Sum
-  {
-    double force[4] = {};
-  };
-  std::vector<Sum> _master_force; ///< by position in NodeTracker's list of master nodes
+  MasterForces _master_forces;
+  std::vector<MomentCorrection> _corrections; ///< of the present step, by node in reach
+  std::vector<double> _arms;                  ///< of them: positions of the facet's nodes about their mean [L]
+  std::vector<LastForce> _last;               ///< by slave node
+  const double* _du = nullptr;                ///< increments of the present step [L]
 };
 } // namespace dolfinx_impact::enforcement

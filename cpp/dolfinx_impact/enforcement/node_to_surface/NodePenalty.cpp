@@ -79,7 +79,7 @@ void NodePenalty::assign_numbers(operators::Halo& halo, std::span<const std::int
 {
   NodeToSurface::assign_numbers(halo, numbers, mass);
   const auto masters = _tracker.master_nodes();
-  _master_force.assign(masters.size(), {});
+  _master_forces.resize(masters.size());
   if (!_all_known.empty())
   {
     std::vector<double> known(halo.num_nodes(), 0.0);
@@ -259,6 +259,22 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
   double change = begins ? r : gap - spring.gap;
   if (change * change > 4.0 * way_squared) // the nearest facet has changed: no motion of the step explains this change
     change = std::copysign(2.0 * std::sqrt(way_squared), change);
+  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
+  const bool oblique = at.rim != search::Projection::Rim::no ||
+                       (!_rigid && _tracker.master().geometry.degree != _tracker.master().displacement.degree);
+  MomentCorrection correction;
+  double arms[FacetElement::max_nodes * D];
+  const bool turns = corrects_moments() && (_options.friction > 0.0 || oblique) && (overlap > 0.0 || !begins);
+  if (turns)
+  {
+    double x[D];
+    position(i, state.u.data(), x);
+    correction.set<D>(point.num, [&](int j, int c) { return masters[point.corners[j]].x[c]; }, point.phi, x, arms);
+    // A node that sticks to a facet turns with it: that is no slip.
+    if (_options.friction > 0.0)
+      correction.add_rotation<D>(
+          point.num, arms, [&](int j, int c) { return masters[point.corners[j]].du[c]; }, motion);
+  }
   double* t = _tangential.data() + i * D;
   if (!(overlap > 0.0))
   {
@@ -282,11 +298,13 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
   if (_options.friction > 0.0)
   {
     const double part = part_below(gap, r), limit = _options.friction * normal_force;
-    double trial[D], turned[D], slip[D], stored = 0.0;
+    double trial[D], turned[D], slip[D], stored = 0.0, along = 0.0;
+    for (int c = 0; c < D; ++c)
+      along += n[c] * motion[c];
     for (int c = 0; c < D; ++c)
     {
       stored += 0.5 * t[c] * t[c] * last_compliance;
-      motion[c] -= r * n[c];
+      motion[c] -= along * n[c];
       slip[c] = part * motion[c];
     }
     bool slips = coulomb<D>(n, k, per_k, limit, t, slip, trial), changed = false;
@@ -312,26 +330,9 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
     _results.traction[i * D + c] = force[c] * per_area;
   }
   add_to_sums(i, state.u.data(), force);
-  Sum* sums = _master_force.data();
-  for_nodes(point.num,
-            [&](int j)
-            {
-              for (int c = 0; c < W; ++c)
-                sums[point.corners[j]].force[c] -= point.phi[j] * force[c];
-            });
-  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
-  const surface::Facets& master = _tracker.master();
-  if (corrects_moments() && (tangential_squared > 0.0 || at.rim != search::Projection::Rim::no ||
-                             master.geometry.degree != master.displacement.degree))
-  {
-    double x[D], r[FacetElement::max_nodes * D];
-    for (int c = 0; c < D; ++c)
-      x[c] = _candidates.X()[i * D + c] + state.u[std::size_t(point.node) * D + c];
-    MomentCorrection correction;
-    correction.set<D>(point.num, [&](int j, int c) { return masters[point.corners[j]].x[c]; }, point.phi, x, r);
-    correction.forces<D>(point.num, r, force,
-                         [&](int j, int c, double value) { sums[point.corners[j]].force[c] += value; });
-  }
+  _master_forces.react<W>(point.num, point.corners, point.phi, force);
+  if (turns && (tangential_squared > 0.0 || oblique))
+    _master_forces.correct<D>(correction, point.num, point.corners, arms, force);
   _closed[i] = 1;
   _stiffness[i] = k;
   _results.status[i] = status;
@@ -349,11 +350,7 @@ void NodePenalty::add_all(const NodalState& state, std::span<double> f)
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
     if ((_rigid || !_tracker.skipped(i)) && find_contact(i, state.u.data(), state.du.data(), reach, true, point))
       add_node<D>(point, state, f);
-  // Zero again for the next step.
-  const auto masters = _tracker.master_nodes();
-  for (std::size_t k = 0; k < masters.size(); ++k)
-    for (int c = 0; c < D; ++c)
-      f[std::size_t(masters[k]) * D + c] += std::exchange(_master_force[k].force[c], 0.0);
+  _master_forces.add_to(_tracker.master_nodes(), D, f);
 }
 
 void NodePenalty::add_forces(const NodalState& state, std::span<double> f)

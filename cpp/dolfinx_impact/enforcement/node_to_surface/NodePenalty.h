@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "MasterForces.h"
 #include "NodeToSurface.h"
 #include "spring.h"
 
@@ -95,11 +96,7 @@ private:
   std::vector<double> _master_here;      ///< by position in NodeTracker's list of master nodes [L/F]
   std::vector<double> _slave_compliance; ///< by slave node, in the present step [L/F]
   double _compliance_step = 0.0;         ///< step that compliances were made for; 0: none yet [T]
-  struct alignas(32) Sum
-  {
-    double force[4] = {};
-  };
-  std::vector<Sum> _master_force; ///< by position in NodeTracker's list of master nodes
+  MasterForces _master_forces;
   std::vector<double> _stiffness;
   std::vector<Spring> _springs;
 };

@@ -21,11 +21,10 @@ from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
 from ...loads import _tag, check_tag, facet_tags_of
 from ..nodal_sum import NodalSum
-from ..output import ContactOutput
 from ..pair import ContactPair, _boundary, _guarded, _surface
 from ..protocol import ExplicitContactProblem
+from .nodal_output import NodalOutput
 
-Place = _cpp.state.Place
 RESULTS = ("normal", "gap", "pressure", "traction", "slip", "status")  # arrays by node
 
 
@@ -147,7 +146,7 @@ def named_pairs(contacts: Sequence[Any]) -> list[ContactPair]:
     return [pair for pair in pairs if isinstance(pair, ContactPair) and not pair.rigid]
 
 
-class GeneralOutput(ContactOutput):
+class GeneralOutput(NodalOutput):
     """General contact of an explicit problem, a view of cpp/dolfinx_impact/enforcement/general/GeneralContact.h; points
     are the surface nodes that this rank owns.
 
@@ -188,7 +187,7 @@ class GeneralOutput(ContactOutput):
     traction: FloatArray
     slip: FloatArray
     status: IntArray
-    stored = penetration_share = deepest = 0.0
+    penetration_share = deepest = 0.0
     num_springs = (0, 0)
 
     def __init__(self, pair: GeneralSurface, problem: ExplicitContactProblem) -> None:
@@ -230,27 +229,9 @@ class GeneralOutput(ContactOutput):
         forces = self._general.nodal_forces().reshape(-1, gdim)
         self.traction = forces / self.weight[:, None]
         self.pressure = np.maximum(0.0, -np.sum(self.traction * self.normal, axis=1))
-        moments: FloatArray
-        if gdim == 2:
-            moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
-        else:
-            moments = np.cross(self.points, forces)
-        energy = self._cpp_object.energy()
-        touched = np.any(forces != 0.0, axis=1)
-        sums = self.comm.allreduce(
-            np.concatenate(
-                [
-                    forces.sum(axis=0),
-                    moments.sum(axis=0),
-                    [self.weight[touched].sum(), energy["friction"], energy["stored"]],
-                    self._general.num_springs,
-                ]
-            ),
-            MPI.SUM,
-        )
-        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-5], float(sums[-5])
-        self.dissipated, self.stored = float(sums[-4]), float(sums[-3])
-        self.num_springs = int(sums[-2]), int(sums[-1])
+        springs = self._general.num_springs
+        sums = self.sum_up(forces, forces.sum(axis=0), np.any(forces != 0.0, axis=1), *map(float, springs))
+        self.num_springs = int(sums[0]), int(sums[1])
         self.deepest = self.comm.allreduce(self._general.deepest, MPI.MAX)
 
     def force_on(self, tag: int) -> FloatArray:
@@ -281,22 +262,14 @@ class GeneralOutput(ContactOutput):
         return np.asarray(self.comm.allreduce(forces.sum(axis=0), MPI.SUM))
 
     def results_state(self) -> tuple[_cpp.state.State, _cpp.state.State]:
-        rows, totals = _cpp.state.State("results"), _cpp.state.State("contact")
-        rows.at(Place.node, self.nodes.astype(np.int64))
-        for name in RESULTS:
-            rows.add(name, Place.node, np.ascontiguousarray(getattr(self, name)))
-        for name in ("force", "moment"):
-            totals.add(name, Place.all, np.array(getattr(self, name), dtype=float))
-        totals.add("area", Place.all, np.array([self.area, self.dissipated]))
-        return rows, totals
+        return self.state_of(RESULTS)
 
     def resume_results(self, rows: _cpp.state.State, totals: _cpp.state.State) -> None:
         """There are no contact forces in a checkpoint to compute them from."""
         for name in RESULTS:
             now = getattr(self, name)
             setattr(self, name, rows.array(name).reshape(now.shape).astype(now.dtype))
-        self.force, self.moment = totals.array("force"), totals.array("moment")
-        self.area, self.dissipated = (float(value) for value in totals.array("area"))
+        self.resume_totals(totals)
 
     def covered(self) -> FloatArray:
         """One or zero: a node is in contact or not."""

@@ -4,7 +4,6 @@
 from typing import Any, cast
 
 import numpy as np
-from mpi4py import MPI
 
 from ... import _cpp
 from ...amplitude import Amplitude
@@ -13,9 +12,9 @@ from ...common.collective import comm_of, guard
 from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
 from ...interface.friction_law import FrictionLaw
-from ..output import ContactOutput
 from ..pair import ContactPair, check_pair
 from ..protocol import ExplicitContactProblem
+from .nodal_output import NodalOutput
 
 
 class Kinematic(Fixed):
@@ -48,12 +47,11 @@ class Kinematic(Fixed):
         return NodalPair(self.pair, problem, _cpp.nodal.KinematicContact, sweeps=self.sweeps)
 
 
-Place = _cpp.state.Place
 GAPS = ("gap", "normal")
 RESULTS = (*GAPS, "pressure", "traction", "slip", "status", "stiffness")  # arrays by node
 
 
-class NodalPair(ContactOutput):
+class NodalPair(NodalOutput):
     """Contact of one pair in an explicit problem, a view of cpp/dolfinx_impact/enforcement/node_to_surface/NodalPair.h;
     points are the slave nodes that this rank owns.
 
@@ -102,7 +100,7 @@ class NodalPair(ContactOutput):
     moment: FloatArray
     motion: Amplitude | None
     body: _cpp.problems.RigidBodyInTime | None
-    stored = penetration_share = 0.0
+    penetration_share = 0.0
     _known: dict[str, FloatArray] | None = None  # gaps and normals of the last step, after they have been evaluated
 
     def __init__(
@@ -122,10 +120,15 @@ class NodalPair(ContactOutput):
             pair.constant_friction("Penalty")
         if cpp_class is _cpp.nodal.KinematicContact:
             pair.refuse_rigid_body("kinematic contact")
+            pair.refuse_angle("kinematic contact does not turn a rigid master: take Penalty")
+        if getattr(problem, "axisymmetric", False):
+            pair.refuse_angle("an axisymmetric problem does not turn a rigid master")
         slave, master = pair.surfaces(V)
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if master is None else None
         if self.obstacle is not None:
             self.obstacle.displacement = list(map(float, pair.rigid_master.displacement))
+            if self.obstacle.rotates:
+                self.obstacle.rotation = pair.rigid_master.rotation_at_start(pair.name)
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
             _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
         self._class, self.parameters = cpp_class, options
@@ -231,28 +234,10 @@ class NodalPair(ContactOutput):
         u = self.problem.u.x.array.reshape(-1, self.gdim)[self.nodes]
         self.points = self._X + u
         forces = self.weight[:, None] * self.traction
-        moments: FloatArray
-        if self.gdim == 2:
-            moments = (self.points[:, 0] * forces[:, 1] - self.points[:, 1] * forces[:, 0])[:, None]
-        else:
-            moments = np.cross(self.points, forces)
-        energy = self._cpp_object.energy()
-        force = self._cpp_object.force[: self.gdim]
-        totals = [force, moments.sum(axis=0), [self.weight[self.status > 0].sum(), energy["friction"]]]
-        sums = self.comm.allreduce(np.concatenate([*totals, [energy["stored"]]]), MPI.SUM)
-        gdim = self.gdim
-        self.force, self.moment, self.area = sums[:gdim], sums[gdim:-3], float(sums[-3])
-        self.dissipated, self.stored = float(sums[-2]), float(sums[-1])
+        self.sum_up(forces, self._cpp_object.force[: self.gdim], self.status > 0)
 
     def results_state(self) -> tuple[_cpp.state.State, _cpp.state.State]:
-        rows, totals = _cpp.state.State("results"), _cpp.state.State("contact")
-        rows.at(Place.node, self.nodes.astype(np.int64))
-        for name in RESULTS:
-            rows.add(name, Place.node, np.ascontiguousarray(getattr(self, name)))
-        for name in ("force", "moment"):
-            totals.add(name, Place.all, np.array(getattr(self, name), dtype=float))
-        totals.add("area", Place.all, np.array([self.area, self.dissipated]))
-        return rows, totals
+        return self.state_of(RESULTS)
 
     def resume_results(self, rows: _cpp.state.State, totals: _cpp.state.State) -> None:
         """There are no contact forces in a checkpoint to compute them from."""
@@ -263,8 +248,7 @@ class NodalPair(ContactOutput):
                 self._gaps()[name] = values
             else:
                 setattr(self, name, values)
-        self.force, self.moment = totals.array("force"), totals.array("moment")
-        self.area, self.dissipated = (float(value) for value in totals.array("area"))
+        self.resume_totals(totals)
 
     def covered(self) -> FloatArray:
         """One or zero: a node is in contact or not."""

@@ -135,6 +135,7 @@ class Oracle:
                 phi = self.master.displacement.tabulate(*p["xi"][q])[0]
                 step = du[i] - phi @ du[masters]
                 r = n @ step
+                turning = carried((self.model.x + u)[masters], x[q], phi, du[masters]) if self.friction > 0 else 0.0
                 overlap = mean_overlap(g, r, p["beside"][q])
             self.barred[i] = p["below"][q] or (self.barred[i] and g < 0)
             begins = not self.closed[i]
@@ -142,7 +143,11 @@ class Oracle:
                 if not begins:  # a node that has not come out through the surface loses what is stored
                     through = p["facet"][q] >= 0 and not self.barred[i]
                     n = n if through else np.zeros(self.dim)
-                    change, step = (moved(g, spring.gap, step), step - r * n) if through else (0.0, np.zeros(self.dim))
+                    change, step = (
+                        (moved(g, spring.gap, step), across(step - turning, n))
+                        if through
+                        else (0.0, np.zeros(self.dim))
+                    )
                     self.lost += spring.leave(change)
                     self.dissipated += spring.leave_friction(turn(self.t[i], n), step)
                 self.t[i], self.slip[i], self.closed[i] = 0.0, 0.0, False
@@ -155,16 +160,16 @@ class Oracle:
             self.lost += spring.push(k * overlap, k, g, r if begins else moved(g, spring.gap, step))
             force = spring.force * n
             if self.friction > 0:
-                P = np.eye(self.dim) - np.outer(n, n)
+                slides = across(step - turning, n)
                 way = np.sort([g - r, g])
                 psi = float(g < 0) if r == 0 else np.diff(np.minimum(way, 0.0))[0] / abs(r)
                 turned, limit = turn(self.t[i], n), self.friction * spring.force
-                t = trial = turned - k * psi * P @ step
+                t = trial = turned - k * psi * slides
                 t = cut(t, limit)
-                t, taken = spring.rub(t, turned, P @ step, limit)
+                t, taken = spring.rub(t, turned, slides, limit)
                 self.dissipated += taken
                 if not np.allclose(t, trial, rtol=1e-11, atol=0.0):
-                    self.slip[i] += psi * P @ step + (t - turned) / k
+                    self.slip[i] += psi * slides + (t - turned) / k
                 self.t[i] = t
                 force = force + t
             self.closed[i] = True
@@ -173,6 +178,20 @@ class Oracle:
             np.add.at(f, masters, -np.outer(phi, force))
             f[masters] += couple((self.model.x + u)[masters], x[q], phi, force)
         return f
+
+
+def across(v, n):
+    return v - n * (n @ v)
+
+
+def carried(masters, x, phi, du):
+    """How much more x moves than the point on the facet if it turns with the facet's nodes, by least squares."""
+    dim, num = masters.shape[1], len(masters)
+    r = masters - masters.mean(axis=0)
+    spins = [np.array([[-a[1]], [a[0]]]) if dim == 2 else np.cross(np.eye(3), a).T for a in r]  # x a
+    spin = np.linalg.lstsq(np.vstack(spins), (du - du.mean(axis=0)).reshape(-1), rcond=None)[0]
+    lever = x - phi @ masters
+    return spin[0] * np.array([-lever[1], lever[0]]) if dim == 2 else np.cross(spin, lever)
 
 
 def turn(t, n):
