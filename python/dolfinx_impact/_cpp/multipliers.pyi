@@ -140,6 +140,10 @@ class MortarContact(dolfinx_impact._cpp.enforcement.MultiplierContact):
         """The largest coefficient that acts at a node [1]"""
 
     @property
+    def friction_coefficients(self) -> NDArray[numpy.float64]:
+        """At the nodes, (n) [1]. Collective"""
+
+    @property
     def usable(self) -> NDArray[numpy.bool_]:
         """Nodes that carry a multiplier and may be moved along the normal, (n)"""
 
