@@ -18,25 +18,42 @@ from .wheel_rail import (
 )  # fmt: skip
 
 ENDS = {"master_body": ("left", "joint_left"), "second_rail": ("joint_right", "right")}
+TIED = ("none", "bars", "all")
 FINE_SIDE = 0.3 * HEAD_HALF_WIDTH  # half-width and depth of the fine zone
 
 
-def section(name, crown_radius, rail_height, h, coarse, sides, bar, glue, barred):
-    """Plan (y, z) of the rail, or of the end post, with the joint bars beside its web."""
+def section(name, crown_radius, rail_height, h, coarse, sides, core, bars=None, faced=False):
+    """Plan (y, z) of the rail, or of the end post, fine in `core`, with the joint bars beside its web: `bars` is their
+    thickness and that of the glue. `faced`: the web has a name, as bars of another mesh face it."""
     plan = Layout(2, rail_height)
     rail = plan.body(name)
-    rail_plan(rail, crown_radius, rail_height, h, max(h, FINE_SIDE), sides, coarse)
+    rail_plan(rail, crown_radius, rail_height, h, core, sides, coarse)
     if len(sides) == 1:
         rail.tag("symmetry_y", at(0, 0.0))
-    if barred:
-        top, foot, size = -HEAD_DEPTH, FOOT_DEPTH - rail_height, max(h, min(coarse, 0.008))
-        places = np.cumsum([WEB_HALF_WIDTH, glue, bar])
-        bodies = plan.body("glue", glued_to=rail), plan.body("joint_bar", glued_to=rail)
-        for s in sides:
-            for body, inner, outer in zip(bodies, places, places[1:]):
-                corners = (inner, top), (outer, top), (outer, foot), (inner, foot)
-                body.block(*(body.point((s * y, z), size) for y, z in corners))
+    if bars:
+        add_bars(plan, rail, rail_height, max(h, min(coarse, 0.008)), sides, *bars)
+    for s in sides if faced else ():
+        rail.facet("web", *(rail.point((s * WEB_HALF_WIDTH, z), coarse) for z in web_ends(rail_height)))
     return plan
+
+
+def web_ends(rail_height):
+    """Heights between which the web is plane."""
+    return -HEAD_DEPTH, FOOT_DEPTH - rail_height
+
+
+def add_bars(plan, rail, rail_height, size, sides, bar, glue):
+    """Glue and joint bars beside the web, with the nodes of a rail, or with their own where it is None."""
+    top, foot = web_ends(rail_height)
+    places = np.cumsum([WEB_HALF_WIDTH, glue, bar])
+    layer = plan.body("glue", glued_to=rail)
+    bodies = layer, plan.body("joint_bar", glued_to=layer)
+    for s in sides:
+        for body, inner, outer in zip(bodies, places, places[1:]):
+            corners = (inner, top), (outer, top), (outer, foot), (inner, foot)
+            body.block(*(body.point((s * y, z), size) for y, z in corners))
+        if rail is None:
+            layer.facet("bar_face", *(layer.point((s * places[0], z), size) for z in (top, foot)))
 
 
 def profiled(profile, crown_radius):
@@ -88,10 +105,16 @@ def coned(cone, fillet, fillet_at, radius, hub_radius, height):
     return to_tread
 
 
+def _extruded(plan, along, ends):
+    """The plan (y, z) along x: places and sizes of cells there, names of the ends by body."""
+    return plan.extruded(lambda x, t: (t, x[0], x[1]), *zip(*along), lambda body: ends[body])
+
+
 def insulated_joint_3d(
     rail_length=1.5, rail_height=RAIL_HEIGHT, crown_radius=0.30, head_profile=None, gap=8.0e-3, bar_length=0.9,
     bar=0.022, glue=2.0e-3, h=4.0e-3, coarse=0.05, path=(-0.035, 0.039), margin=8.0e-3, symmetry="half",
     wheel_x=-0.035, wheel_gap=0.0, wheel_radius=0.46, hub_radius=0.1, wheel_width=0.06, cone=0.0, fillet=0.0,
+    tied="none", tied_size=1.5,
 ):  # fmt: skip
     """Insulated rail joint in 3D with a wheel that rolls over it; hexahedra. The joint is at x = 0.
 
@@ -113,6 +136,9 @@ def insulated_joint_3d(
     wheel_radius, hub_radius, wheel_width: [m]
     cone: slope of the tread; the rail is inclined alike, so that wheel and rail touch in the middle of the head [1]
     fillet: radius of the flange's fillet at y = -wheel_width/3, 0: none [m]
+    tied: parts with nodes of their own, which a tie has to hold: "none", "bars" (bars and glue, whose "bar_face" faces
+        "web") or "all" (the end post, too: "post_left" faces "joint_left", "post_right" "joint_right")
+    tied_size: size of their cells over that of the rails' beside them [1]
     """
     positive(rail_length=rail_length, rail_height=rail_height, crown_radius=crown_radius, gap=gap, bar=bar, glue=glue)
     positive(h=h, coarse=coarse, margin=margin, wheel_radius=wheel_radius, wheel_width=wheel_width)
@@ -130,27 +156,37 @@ def insulated_joint_3d(
     if head_profile is not None:
         require(whole, "head_profile: a profile of points needs the whole model, symmetry = 'none'")
         _check_profile(head_profile)
+    require(tied in TIED, f"tied = {tied!r}: one of {', '.join(TIED)}")
+    positive(tied_size=tied_size)
     half, sides = gap / 2, SIDES[symmetry]
     left, right = min(first, -half - h), max(last, half + h)
     middle = max(h, min(coarse, 0.25 * bar_length))
+    own = tied_size * min(h, gap) if tied == "all" else min(h, gap)
     parts = [
         ("master_body", False, ((-rail_length, coarse), (-bar_length / 2, middle))),
         ("master_body", True, ((-bar_length / 2, middle), (left, h), (-half, h))),
-        ("end_post", True, ((-half, min(h, gap)), (half, min(h, gap)))),
+        ("end_post", True, ((-half, own), (half, own))),
         ("second_rail", True, ((half, h), (right, h), (bar_length / 2, middle))),
         ("second_rail", False, ((bar_length / 2, middle), (rail_length, coarse))),
     ]
-    layout = None
+    post = ("post_left", "post_right") if tied == "all" else ("free", "free")
+    outer = {"glue": ("free", "free"), "joint_bar": ("free", "free"), "end_post": post, **ENDS}
+    core, layout = max(h, FINE_SIDE), None
     for name, barred, along in parts:
-        plan = section(name, crown_radius, rail_height, h, coarse, sides, bar, glue, barred)
-        outer = {body: ("free", "free") for body in ("glue", "joint_bar", "end_post")}
-        part = plan.extruded(
-            lambda x, t: (t, x[0], x[1]), *zip(*along), lambda body: outer.get(body) or ENDS[body]  # noqa: B023
-        )
+        apart = name == "end_post" and tied == "all"
+        sizes = (tied_size * h, tied_size * coarse) if apart else (h, coarse)
+        beside = (bar, glue) if barred and tied == "none" else None
+        plan = section(name, crown_radius, rail_height, *sizes, sides, core, beside, barred and tied != "none")
+        part = _extruded(plan, along, outer)
         if layout is None:
             layout = part
         else:
-            layout.merge(part, glued=True)
+            layout.merge(part, glued=not apart)
+    if tied != "none":
+        plan, end, fine = Layout(2, rail_height), tied_size * middle, tied_size * h
+        add_bars(plan, None, rail_height, tied_size * max(h, min(coarse, 0.008)), sides, bar, glue)
+        along = [(-bar_length / 2, end), (left, fine), (right, fine), (bar_length / 2, end)]
+        layout.merge(_extruded(plan, along, outer))
     if head_profile is not None:
         mapped = set()
         for body in layout.bodies:

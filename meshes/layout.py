@@ -227,9 +227,10 @@ class Layout:
     def merge(self, other, glued=False):
         """Add the bodies of another layout of the same dimension, with their own nodes or `glued` to those here."""
         assert self.dim == other.dim
-        new = {}
+        new, first = {}, len(self.bodies)
         for body in other.bodies:
-            nodes = self.bodies[0].nodes if glued else len(self.bodies)
+            # Bodies that share nodes in the other layout share them here.
+            nodes = self.bodies[0].nodes if glued else first + body.nodes
             copy = Body(self, body.name, nodes)
             copy.rules, copy.maps = list(body.rules), list(body.maps)
             self.bodies.append(copy)

@@ -33,6 +33,8 @@ FACETS = {
     "joint_right": 15,  # end face of the right rail, at the gap
     "post_left": 16,  # face of an end post that is not glued, towards the left rail
     "post_right": 17,  # the same towards the right rail
+    "web": 18,  # side of the web of a joint that faces bars of another mesh
+    "bar_face": 19,  # face of such bars towards the web
     "slave_left": 26,
     "slave_right": 27,
     "slave_front": 28,

@@ -39,6 +39,9 @@ void bind_static_contact(nb::module_& m)
           { c.begin_step(view(u), displacement, target ? view(*target) : std::span<const double>()); },
           nb::arg("u"), nb::arg("displacement").none(), nb::arg("target") = nb::none())
       .def_prop_ro("displacement", &StaticContact::displacement)
+      .def("set_rotation", &StaticContact::set_rotation, nb::arg("rotation"),
+           "Rotation of a rigid master at the end of the next increment, row by row")
+      .def_prop_ro("rotation", &StaticContact::rotation, "Of a rigid master that can turn, row by row; else None")
       .def("state", &StaticContact::state, nb::keep_alive<0, 1>(), "What an increment starts from; views")
       .def("accept_step", &StaticContact::accept_step)
       .def("augment", &StaticContact::augment)

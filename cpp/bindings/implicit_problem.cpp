@@ -14,8 +14,10 @@ using dolfinx_impact::bindings::NumpyArray;
 using dolfinx_impact::bindings::take;
 using dolfinx_impact::bindings::Values;
 using dolfinx_impact::enforcement::StaticContact;
+using dolfinx_impact::integrators::ImplicitRigidBody;
 using dolfinx_impact::integrators::ImplicitScheme;
 using dolfinx_impact::integrators::Inertia;
+using dolfinx_impact::integrators::RigidBodyOptions;
 using dolfinx_impact::integrators::StepControl;
 using dolfinx_impact::integrators::VelocityForce;
 using dolfinx_impact::solve::LinearSolverLimits;
@@ -78,10 +80,46 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
       .def(
           "__init__",
           [](ImplicitContact* self, std::shared_ptr<StaticContact> contact, std::optional<Vector> start,
-             const std::optional<Values>& motion)
-          { new (self) ImplicitContact{std::move(contact), from_table(motion), start}; },
-          nb::arg("contact"), nb::arg("start").none(), nb::arg("motion").none(),
-          "start: displacement of a rigid master; motion: that beside it, at the start");
+             const std::optional<Values>& motion, const std::optional<Values>& rotation)
+          { new (self) ImplicitContact{std::move(contact), from_table(motion), start, from_table(rotation)}; },
+          nb::arg("contact"), nb::arg("start").none(), nb::arg("motion").none(), nb::arg("rotation").none(),
+          "start: displacement of a rigid master; motion: that beside it, rotation: its rotation vector, at the start");
+  nb::class_<ImplicitBodyInTime>(m, "ImplicitBodyInTime", "A rigid body that moves by forces in implicit steps")
+      .def(
+          "__init__",
+          [](ImplicitBodyInTime* self, double mass, const std::array<double, 9>& inertia, const Vector& centre,
+             const Vector& displacement, const Vector& velocity, const Vector& spin,
+             const std::array<bool, 3>& fixed_velocity, const std::array<bool, 3>& fixed_spin, double length,
+             std::vector<std::size_t> contacts, const std::optional<Values>& force, const std::optional<Values>& torque)
+          {
+            new (self) ImplicitBodyInTime{
+                std::make_shared<ImplicitRigidBody>(
+                    RigidBodyOptions{mass, inertia, centre, displacement, velocity, spin, fixed_velocity, fixed_spin},
+                    length),
+                std::move(contacts), from_table(force), from_table(torque)};
+          },
+          nb::arg("mass"), nb::arg("inertia"), nb::arg("centre"), nb::arg("displacement"), nb::arg("velocity"),
+          nb::arg("spin"), nb::arg("fixed_velocity"), nb::arg("fixed_spin"), nb::arg("length"), nb::arg("contacts"),
+          nb::arg("force").none(), nb::arg("torque").none(), "Force and torque: their values at the start, or None")
+      .def_prop_ro("position", [](const ImplicitBodyInTime& self) { return self.body->position(); })
+      .def_prop_ro("rotation", [](const ImplicitBodyInTime& self) { return self.body->rotation(); })
+      .def(
+          "velocity", [](const ImplicitBodyInTime& self, double) { return self.body->velocity(); }, nb::arg("dt"),
+          "At the present time; dt: not used")
+      .def(
+          "spin", [](const ImplicitBodyInTime& self, double) { return self.body->spin(); }, nb::arg("dt"),
+          "At the present time; dt: not used")
+      .def(
+          "momentum", [](const ImplicitBodyInTime& self, double) { return self.body->momentum(); }, nb::arg("dt"),
+          "At the present time; dt: not used")
+      .def(
+          "angular_momentum", [](const ImplicitBodyInTime& self, double) { return self.body->angular_momentum(); },
+          nb::arg("dt"), "At the present time; dt: not used")
+      .def(
+          "kinetic_energy", [](const ImplicitBodyInTime& self, double) { return self.body->kinetic_energy(); },
+          nb::arg("dt"), "At the present time; dt: not used")
+      .def_prop_ro("contact_force", [](const ImplicitBodyInTime& self) { return self.body->state().force; })
+      .def_prop_ro("contact_torque", [](const ImplicitBodyInTime& self) { return self.body->state().torque; });
   nb::class_<NewmarkProblem>(m, "NewmarkProblem", "Motion of bodies by Newmark's method or generalised-alpha")
       .def(
           "__init__",
@@ -89,15 +127,17 @@ void dolfinx_impact::bindings::implicit_problem(nb::module_& m)
              std::shared_ptr<Function> a, const ImplicitBody& body, std::vector<PrescribedMotion> supports,
              std::vector<ImplicitContact> contacts, const ImplicitScheme& scheme,
              std::map<std::string, std::string> petsc, const std::string& prefix, bool axisymmetric,
-             const LinearSolverLimits& limits, std::function<void(const std::string&)> warn, Table table)
+             const LinearSolverLimits& limits, std::function<void(const std::string&)> warn, Table table,
+             std::vector<ImplicitBodyInTime> bodies)
           {
             const NewmarkOptions options{scheme, {std::move(petsc), prefix, axisymmetric, limits, std::move(warn)}};
             new (self) NewmarkProblem(std::move(u), std::move(v), body, std::move(supports), {}, std::move(contacts),
-                                      options, std::move(a), source_of(std::move(table)));
+                                      options, std::move(a), source_of(std::move(table)), std::move(bodies));
           },
           nb::arg("u"), nb::arg("v"), nb::arg("a"), nb::arg("body"), nb::arg("supports"), nb::arg("contacts"),
           nb::arg("scheme"), nb::arg("petsc"), nb::arg("prefix"), nb::arg("axisymmetric"), nb::arg("limits"),
-          nb::arg("warn"), nb::arg("table"), "table: samples all functions of time. Collective")
+          nb::arg("warn"), nb::arg("table"), nb::arg("bodies"),
+          "table: samples all functions of time; bodies: rigid ones. Collective")
       .def(
           "advance",
           [](NewmarkProblem& self, double until, double dt, std::optional<double> tolerance, double smallest,

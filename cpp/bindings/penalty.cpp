@@ -176,7 +176,7 @@ void bind_forces(nb::module_& m)
           { p.update_gap(view(u), view(start), stay); }, nb::arg("u"), nb::arg("start"), nb::arg("stay"))
       .def(
           "evaluate", [](PenaltyForces& p, Values increment, std::array<double, 3> rigid)
-          { p.evaluate(view(increment), rigid); }, nb::arg("increment"), nb::arg("rigid"))
+          { p.evaluate(view(increment), {.displacement = rigid}); }, nb::arg("increment"), nb::arg("rigid"))
       .def("evaluate", [](PenaltyForces& p) { p.evaluate(); })
       .def("forget", &PenaltyForces::forget, "Forget candidates and the places of the tangent")
       .def("accept_step", &PenaltyForces::accept_step)

@@ -169,6 +169,41 @@ void bind_rigid_body(nb::module_& m)
       .def(
           "kinetic_energy", [](const RigidBodyInTime& self, double dt) { return self.body.kinetic_energy(dt); },
           nb::arg("dt"))
+      .def(
+          "meet",
+          [](RigidBodyInTime& self, Values points, Values areas, double radius, dolfinx_impact::gap::Rigid master,
+             double friction, std::shared_ptr<RigidBodyInTime> body)
+          {
+            meet(self,
+                 {.points = {points.data(), points.data() + points.size()},
+                  .areas = {areas.data(), areas.data() + areas.size()},
+                  .radius = radius,
+                  .master = std::move(master),
+                  .friction = friction},
+                 std::move(body));
+          },
+          nb::arg("points"), nb::arg("areas"), nb::arg("radius"), nb::arg("master"), nb::arg("friction"),
+          nb::arg("body").none(), "Contact of its points, or of a ball around one, with another body or an obstacle")
+      .def_prop_ro(
+          "meeting_gaps",
+          [](const RigidBodyInTime& self)
+          {
+            std::vector<double> out;
+            for (const auto& meeting : self.meetings)
+              out.push_back(meeting.contact->gap());
+            return out;
+          },
+          "Smallest gap of each of these contacts")
+      .def_prop_ro(
+          "meeting_forces",
+          [](const RigidBodyInTime& self)
+          {
+            std::vector<Vector> out;
+            for (const auto& meeting : self.meetings)
+              out.push_back(meeting.contact->force());
+            return out;
+          },
+          "Force of each of these contacts on the body")
       .def_prop_ro("contact_force", [](const RigidBodyInTime& self) { return self.body.contact_force(); })
       .def_prop_ro("contact_torque", [](const RigidBodyInTime& self) { return self.body.contact_torque(); });
 }
@@ -368,9 +403,14 @@ void bind_supports(nb::module_& m)
       .def(
           "__init__",
           [](ContactInTime* self, const dolfinx_impact::enforcement::NodalPair& contact, std::string name,
-             const std::optional<Values>& start, std::shared_ptr<RigidBodyInTime> body)
-          { new (self) ContactInTime{contact, std::move(name), from_table(start), std::move(body)}; },
-          nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("body").none() = nb::none());
+             const std::optional<Values>& start, std::shared_ptr<RigidBodyInTime> body,
+             const std::optional<Values>& rotation)
+          {
+            new (self)
+                ContactInTime{contact, std::move(name), from_table(start), std::move(body), from_table(rotation)};
+          },
+          nb::arg("contact"), nb::arg("name"), nb::arg("start").none(), nb::arg("body").none() = nb::none(),
+          nb::arg("rotation").none() = nb::none());
 }
 
 void bind_explicit(nb::module_& m)

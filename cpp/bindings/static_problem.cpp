@@ -44,10 +44,19 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           "A load that is applied in parts: views of its value and of that which was reached")
       .def(
           "add_rigid_body",
-          [](StaticProblem& self, std::vector<std::size_t> contacts, std::array<bool, 3> fixed, Changeable force)
-          { self.add_rigid_body({std::move(contacts), fixed, {force.data(), force.size()}}); }, nb::arg("contacts"),
-          nb::arg("fixed"), nb::arg("force"), nb::keep_alive<1, 4>(),
-          "A rigid master that loads and contacts move; a view of the external force on it")
+          [](StaticProblem& self, std::vector<std::size_t> contacts, std::array<bool, 6> fixed, Changeable force,
+             Changeable torque)
+          {
+            self.add_rigid_body(std::move(contacts), fixed, {force.data(), force.size()},
+                                {torque.data(), torque.size()});
+          },
+          nb::arg("contacts"), nb::arg("fixed"), nb::arg("force"), nb::arg("torque"), nb::keep_alive<1, 4>(),
+          nb::keep_alive<1, 5>(), "A rigid master that loads and contacts move; views of force and torque on it")
+      .def(
+          "turn_obstacle", [](StaticProblem& self, std::size_t contact, Changeable angle, Changeable reached)
+          { self.turn_obstacle(contact, {{angle.data(), angle.size()}, {reached.data(), reached.size()}}); },
+          nb::arg("contact"), nb::arg("angle"), nb::arg("reached"), nb::keep_alive<1, 3>(), nb::keep_alive<1, 4>(),
+          "Turn a contact's rigid master: views of its rotation vector, and of that which was reached")
       .def("move_obstacle", &StaticProblem::move_obstacle, nb::arg("contact"), nb::arg("displacement"),
            "Displacement of a contact's rigid master that the next solve leads to [L]")
       .def(

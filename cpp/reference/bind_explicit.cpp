@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "GeneralContact.h"
 #include "bindings.h"
 #include "contact_explicit.h"
 #include <array>
@@ -139,6 +140,22 @@ void bind_explicit(nb::module_& m)
                 node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals);
             adjust(pairs, gaps, search_distance);
             new (self) NodalKinematic(std::move(pairs), friction, sweeps);
+          },
+          nb::keep_alive<1, 2>());
+  nb::class_<GeneralContact, ExplicitContact>(m, "GeneralContact")
+      .def(
+          "__init__",
+          [](GeneralContact* self, const Model& model, const Cells& outside, V mass, double friction, P points,
+             V weights, P mass_points, V mass_weights, const std::string& lumping)
+          {
+            check_friction(friction);
+            const Sampler sampler = model.sampler({points, weights});
+            const auto stiffness = [&](std::int64_t cell) -> Matrix
+            { return impact_reference::stiffness(sampler, model.cell_points(cell), model.material(cell), cell); };
+            const Surface all = surface(model, outside, "outside");
+            new (self)
+                GeneralContact(model, all, nodal_stiffness(model, all, stiffness, {mass_points, mass_weights}, lumping),
+                               mass, friction);
           },
           nb::keep_alive<1, 2>());
   nb::class_<ContactHistories>(m, "ContactHistories")

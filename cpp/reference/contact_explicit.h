@@ -27,6 +27,9 @@ struct Meeting
 /// Stiffness by node of a surface [F/L].
 using NodalStiffness = std::map<std::int64_t, double>;
 
+/// Height of the cell behind a facet [L].
+double height_behind(const Model& model, const Surface& s, const Facet& facet);
+
 /// What the nodes of a surface at rest offer to penalty springs (docs/explicit/penalty.md, "Stiffness").
 /// @param s without curved facets
 /// @param stiffness of a cell, on its nodes [F/L]

@@ -40,6 +40,16 @@ double uniaxial_modulus(const Material& m, Hypothesis hypothesis)
 }
 } // namespace
 
+double height_behind(const Model& model, const Surface& s, const Facet& facet)
+{
+  const Geometry& g = model.geometry();
+  const auto row = g.cells.row(facet.cell);
+  const std::vector<std::int64_t> vertices(row.begin(), row.begin() + num_vertices(g.cell));
+  const double apart = std::abs(normal(s, facet).dot(mean(g.points, vertices) - mean(g.points, facet.vertices)));
+  // The centre of a simplex lies at a third or a quarter of its height, that of a box in the middle.
+  return (is_simplex(g.cell) ? model.gdim() + 1 : 2) * apart;
+}
+
 NodalStiffness nodal_stiffness(const Model& model, const Surface& s,
                                const std::function<Matrix(std::int64_t)>& stiffness, const Rule& mass_rule,
                                const std::string& scheme)
@@ -50,11 +60,7 @@ NodalStiffness nodal_stiffness(const Model& model, const Surface& s,
   NodalStiffness layer;
   for (const Facet& facet : s.facets)
   {
-    const auto row = g.cells.row(facet.cell);
-    const std::vector<std::int64_t> vertices(row.begin(), row.begin() + num_vertices(g.cell));
-    const double apart = std::abs(normal(s, facet).dot(mean(g.points, vertices) - mean(g.points, facet.vertices)));
-    // The centre of a simplex lies at a third or a quarter of its height, that of a box in the middle.
-    const double height = (is_simplex(g.cell) ? model.gdim() + 1 : 2) * apart;
+    const double height = height_behind(model, s, facet);
     Surface one = s;
     one.facets = {facet};
     const double modulus = uniaxial_modulus(model.material(facet.cell), model.hypothesis());

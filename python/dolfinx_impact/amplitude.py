@@ -19,6 +19,11 @@ INTERPOLATIONS = ("linear", "smooth")
 OUTSIDE = ("hold", "refuse")
 
 
+def is_in_time(value: Any) -> bool:
+    """Whether a value is a function of time, or a pair (times, values)."""
+    return callable(value) or (isinstance(value, tuple) and len(value) == 2 and np.ndim(value[0]) == 1)
+
+
 class AmplitudeTable(Fixed):
     """Function of time from a table of times and values: of loads, supports and rigid obstacles.
 

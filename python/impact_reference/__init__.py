@@ -45,7 +45,7 @@ from .elements import (
     element_traction,
     second_piola,
 )
-from .explicit import ExplicitResult, NodalKinematic, NodalPenalty, RigidBall
+from .explicit import ExplicitResult, GeneralContact, NodalKinematic, NodalPenalty, RigidBall
 from .interface import (
     InterfaceHistory,
     adhesive_pressure,
@@ -78,6 +78,7 @@ __all__ = [
     "ContactSolution",
     "Csr",
     "ExplicitResult",
+    "GeneralContact",
     "ImplicitContact",
     "InterfaceHistory",
     "J2Answer",

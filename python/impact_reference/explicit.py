@@ -234,6 +234,30 @@ class NodalKinematic(_Nodal):
         return _reference.NodalKinematic(*self._arguments(model, times, lumping), self.friction, self.sweeps)
 
 
+class GeneralContact:
+    """Contact of facets with each other of docs/explicit/general_contact.md, for `Model.run_explicit`.
+
+    Args:
+        facets: vertices of every facet, shape (num_facets, vertices per facet); of equally near ones the first counts.
+        friction: Coulomb's friction coefficient [1].
+
+    Raises:
+        ValueError: a friction that is negative or not finite, bodies of revolution, or degree 2; when a run is made.
+    """
+
+    def __init__(self, facets: ArrayLike, friction: float = 0.0) -> None:
+        self.facets, self.friction = integers(facets, "facets", 2), float(friction)
+
+    def _bind(
+        self, model: Discretisation, times: FloatArray, lumping: str, plastic: _reference.PlasticBody | None
+    ) -> _reference.GeneralContact:
+        if plastic is not None:
+            raise ValueError("contact without pairs takes elastic bodies only")
+        mass = model.mass(lumped=True, scheme=lumping)
+        rules = *model._rule("stiffness"), *model._rule("mass"), lumping
+        return _reference.GeneralContact(model._model, self.facets, mass, self.friction, *rules)
+
+
 @dataclass
 class ContactHistory:
     """Values of a contact over time; the first axis counts the states kept.
@@ -319,7 +343,7 @@ def run_explicit(
     beta: float = 0.0,
     scheme: str = "half_step",
     viscosity: tuple[float, float] | None = None,
-    contacts: Sequence[_Nodal] = (),
+    contacts: Sequence[_Nodal | GeneralContact] = (),
     lumping: str = "auto",
     every: int = 1,
     plastic: _reference.PlasticBody | None = None,
@@ -342,7 +366,7 @@ def run_explicit(
         beta: Rayleigh damping, factor of the stiffness [T].
         scheme: "half_step", or "classical" (equal steps, beta 0).
         viscosity: linear and quadratic bulk viscosity (b1, b2); None for none [1].
-        contacts: contacts, `NodalPenalty` and `NodalKinematic`.
+        contacts: contacts, `NodalPenalty`, `NodalKinematic` and `GeneralContact`.
         lumping: how the mass is lumped, as in `element_lumped_mass`.
         every: keep each state whose number is a multiple of this; the last one is always kept.
         plastic: compiled part of a `PlasticBody` on this model, whose forces replace the elastic ones.

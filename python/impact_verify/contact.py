@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Level contact: gaps, forces, tangents and mortar integrals on random facing patches, then whole solutions, of ties
-too."""
+too, and contact without pairs."""
 
 import numpy as np
 
-from . import contact_patch, contact_static, interface_laws, stick_slip, tied
+from . import contact_patch, contact_static, general, interface_laws, stick_slip, tied
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -36,6 +36,7 @@ def run(report: Report, progress: bool = True) -> None:
     interface_laws.run(report)
     stick_slip.run(report)
     tied.run(report)
+    general.run(report)
 
 
 def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_degree: int, seed: int = 1) -> None:

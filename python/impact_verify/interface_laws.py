@@ -24,6 +24,7 @@ REASON = "round-off of sixty steps"
 LENGTH = 1e-3
 STIFFNESS = 2e6
 
+
 def run(report: Report) -> None:
     """Add a row for each law in the plane and in space.
 

@@ -17,7 +17,8 @@ from PIL import Image
 from dolfinx_impact import cli
 
 DEMOS = (
-    "bar_on_wall", "block_with_friction", "drop_hammer", "hertz", "interior_penalty", "kelvin_voigt",
+    "bar_on_wall", "block_with_friction", "crushed_ring", "drop_hammer", "hertz", "interior_penalty",
+    "kelvin_voigt",
     "nearly_incompressible", "own_form", "own_interface_law", "own_plasticity", "self_check", "tied_beam", "two_bars",
     "two_materials",
 )  # fmt: skip
@@ -121,7 +122,7 @@ def test_a_notebook_runs(name, notebooks, checkout, tmp_path):
 IN_MAKE_TEST = {
     ("bar_on_wall", 2), ("two_bars", 2), ("block_with_friction", 1), ("own_plasticity", 1), ("self_check", 1),
     ("kelvin_voigt", 1), ("two_materials", 2), ("nearly_incompressible", 2), ("interior_penalty", 1),
-    ("own_interface_law", 1), ("tied_beam", 2), ("drop_hammer", 1),
+    ("own_interface_law", 1), ("tied_beam", 2), ("drop_hammer", 1), ("crushed_ring", 1),
 }  # fmt: skip
 
 

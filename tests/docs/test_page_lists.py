@@ -28,7 +28,7 @@ def copy(checkout, tmp_path_factory):
 @pytest.mark.parametrize(
     "rule, file, old, new, complaint",
     [
-        ("demos", "README.md", "## Demos\n\nFourteen", "## Demos\n\nTen", "README.md: does not say"),
+        ("demos", "README.md", "## Demos\n\nFifteen", "## Demos\n\nTen", "README.md: does not say"),
         ("demos", "README.md", "- [`hertz`]", "- [`herz`]", "README.md: does not list hertz"),
         ("demos", "demos/new.py", None, "assert x\n", "docs/gallery.md: does not list new"),
         ("demos", "demos/applications/new.py", None, "assert x\n", "docs/gallery.md: does not list new"),
@@ -36,7 +36,7 @@ def copy(checkout, tmp_path_factory):
         (
             "demos",
             "docs/architecture.md",
-            "fourteen short files",
+            "fifteen short files",
             "five short files",
             "docs/architecture.md: does not say",
         ),

@@ -78,6 +78,20 @@ def test_published_trends(plain):
     assert soft.dynamic_factor == pytest.approx(usual.dynamic_factor, abs=0.02)
 
 
+def test_parts_meshed_apart():
+    """Bars, or bars and end post, in meshes of their own and tied: the force is that of one mesh. The springs are
+    given: by the step they are softer at the ends of tied parts, where a node has the mass of one part alone."""
+    joint = PLAIN.changed(penalty=1e13)
+    one, _, _ = passage(joint)
+    for tied, size in (("bars", 1.5), ("all", 0.7)):
+        apart, history, run = passage(joint.changed(tied=tied, tied_size=size))
+        assert apart.static_force == pytest.approx(one.static_force, rel=1e-4)
+        assert apart.dynamic_factor == pytest.approx(one.dynamic_factor, abs=0.01)
+        assert apart.least_force == pytest.approx(one.least_force, abs=0.01)
+        assert apart.energy_missed < 1e-3
+        assert [c.kind for c in run.run.contact[1:]] == ["tie"] * (1 if tied == "bars" else 3)
+
+
 @pytest.mark.parametrize("post", ("epoxy", "nylon", "ptfe", "steel"))
 def test_stiff_and_soft_end_posts_find_their_preload(post, recwarn):
     """From 45 GPa to 0.4 GPa beside steel: multigrid converges, and no system is factorised instead."""

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../gap/RigidMotion.h"
 #include "../operators/RigidBodyModes.h"
 #include "../state/State.h"
 #include "ContactStatus.h"
@@ -10,6 +11,7 @@
 #include <petscmat.h>
 #include <petscvec.h>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,6 +60,18 @@ public:
   /// empty: they do not change [L]
   virtual void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                           std::span<const double> target = {}) = 0;
+  /// Turn a rigid master about its centre (gap::Rigid::centre) in the increment that the next begin_step begins;
+  /// without this call it does not turn. Not collective.
+  /// @param[in] rotation at the end of the increment, since the reference configuration
+  /// @throws std::invalid_argument for a contact whose master cannot turn
+  virtual void set_rotation(const gap::Matrix3&)
+  {
+    throw std::invalid_argument(name() + ": this contact has no rigid master that turns");
+  }
+  /// Rotation of a rigid master, as reached; nothing for one that cannot turn. Not collective.
+  virtual std::optional<gap::Matrix3> rotation() const { return {}; }
+  /// Centre about which a rigid master turns, before its displacement [L]. Not collective.
+  virtual std::array<double, 3> centre() const { return {}; }
   /// Displacement of a rigid master, as reached; nothing for deformable ones [L]. Not collective.
   virtual std::optional<std::array<double, 3>> displacement() const = 0;
   /// What an increment starts from: copy it before, assign the copy to go back. Not collective.

@@ -63,9 +63,10 @@ void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<
   _fields.halo->forward(_fields.inverse, _fields.bs);
 }
 
-void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns)
+void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns,
+                                    std::array<int, 3> rotation)
 {
-  _contact.add(std::move(pair), columns);
+  _contact.add(std::move(pair), columns, rotation);
 }
 
 void CentralDifference::add_rigid_body_contact(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body)
@@ -399,12 +400,15 @@ state::State CentralDifference::saved_state()
 
 state::State CentralDifference::empty_state() const
 {
-  return RunState(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies()).state(_fields.bs).copy();
+  RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
+  run.bodies = _contact.bodies(); // with as many values as they have
+  return run.state(_fields.bs).copy();
 }
 
 void CentralDifference::resume(const state::State& saved)
 {
   RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
+  run.bodies = _contact.bodies(); // with as many values as they have
   run.state(_fields.bs).assign(saved);
   start(run.u, run.v);
   std::copy(run.r.begin(), run.r.end(), _fields.r.begin());

@@ -49,8 +49,10 @@ public:
   /// See PrescribedMotion.
   void prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
   /// See ContactForces.
-  void add_contact(enforcement::NodalPair pair, std::array<int, 3> columns);
+  void add_contact(enforcement::NodalPair pair, std::array<int, 3> columns, std::array<int, 3> rotation = {-1, -1, -1});
   void add_rigid_body_contact(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body);
+  void add_body(std::shared_ptr<RigidBody> body) { _contact.add_body(std::move(body)); }
+  void add_rigid_contact(std::shared_ptr<RigidContact> contact) { _contact.add(std::move(contact)); }
   void set_body_loads(const RigidBody& body, std::array<int, 3> force, std::array<int, 3> torque)
   {
     _contact.set_body_loads(body, force, torque);

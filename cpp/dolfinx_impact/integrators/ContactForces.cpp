@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ContactForces.h"
 #include "../common/Stopwatch.h"
+#include "../gap/rotation.h"
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -14,7 +15,7 @@ namespace
 constexpr std::size_t sums_of_body = 12; ///< force and its moment
 }
 
-void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
+void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns, std::array<int, 3> rotation)
 {
   std::vector<enforcement::SpringForces*> springs;
   std::vector<enforcement::KinematicContact*> kinematic;
@@ -38,7 +39,9 @@ void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns)
     _kinematic_step.add(contact);
   for (enforcement::ExplicitTie* tie : ties)
     _tie_step.add(tie);
-  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, {}, nullptr});
+  if (rotation[0] >= 0 && springs.empty())
+    throw std::invalid_argument("a rigid master that turns as prescribed needs SpringForces");
+  _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, rotation, {}, nullptr});
   _search_due = true;
 }
 
@@ -50,6 +53,11 @@ void ContactForces::add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> 
     throw std::invalid_argument("contact with a rigid body acts by SpringForces, in one direction");
   add(std::move(pair), std::array{-1, -1, -1});
   _pairs.back().body = body;
+  add_body(std::move(body));
+}
+
+void ContactForces::add_body(std::shared_ptr<RigidBody> body)
+{
   if (std::ranges::find(_bodies, body, &Body::body) != _bodies.end())
     return;
   _bodies.push_back({std::move(body)});
@@ -59,6 +67,14 @@ void ContactForces::add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> 
   _first_rank = rank == 0;
   _forces.assign(_bodies.size() * sums_of_body, 0.0);
   _gathered.assign(_forces.size() * size, 0.0);
+}
+
+void ContactForces::add(std::shared_ptr<RigidContact> contact)
+{
+  for (const RigidBody* body : {contact->slave().get(), contact->master().get()})
+    if (body && std::ranges::none_of(_bodies, [&](const Body& b) { return b.body.get() == body; }))
+      throw std::invalid_argument("the bodies of a contact of rigid bodies are added before it");
+  _rigid_contacts.push_back(std::move(contact));
 }
 
 void ContactForces::set_body_loads(const RigidBody& body, std::array<int, 3> force, std::array<int, 3> torque)
@@ -75,6 +91,8 @@ void ContactForces::set_step(double dt)
   if (!(dt > 0.0))
     throw std::invalid_argument("the step of contact stiffnesses is " + std::to_string(dt) + ": it must be positive");
   _step = dt;
+  for (const auto& contact : _rigid_contacts)
+    contact->set_step(dt);
 }
 
 void ContactForces::reset()
@@ -125,24 +143,40 @@ void ContactForces::move_obstacles(const double* amplitudes, bool first)
 {
   for (Pair& pair : _pairs)
   {
-    if (pair.columns[0] < 0)
+    if (pair.columns[0] < 0 && pair.rotation[0] < 0)
       continue;
     Obstacle& o = pair.obstacle;
-    std::array<double, 3> displacement{};
-    for (int k = 0; k < 3; ++k)
+    std::array<double, 3> displacement = o.displacement;
+    for (int k = 0; k < 3 && pair.columns[0] >= 0; ++k)
       displacement[k] = amplitudes[pair.columns[k]];
+    if (pair.rotation[0] >= 0)
+    {
+      const std::array<double, 3> angle{amplitudes[pair.rotation[0]], amplitudes[pair.rotation[1]],
+                                        amplitudes[pair.rotation[2]]};
+      const gap::Quaternion before = gap::quaternion_of(o.angle), after = gap::quaternion_of(angle);
+      o.turn = first ? gap::Matrix3{} : gap::turn_of(gap::product(after, gap::inverse(before)));
+      o.angle = angle;
+    }
     o.increment_before = o.increment;
     for (int k = 0; k < 3; ++k)
       o.increment[k] = first ? 0.0 : displacement[k] - o.displacement[k];
     o.displacement = displacement;
     for (const auto& direction : pair.contact.directions())
-      direction->set_obstacle({.displacement = o.displacement, .increment = o.increment});
+      direction->set_obstacle(motion_of(pair));
   }
   if (!first || _bodies.empty())
     return;
   for (const Body& b : _bodies)
     b.body->begin();
   place_bodies();
+}
+
+gap::RigidMotion ContactForces::motion_of(const Pair& pair) const
+{
+  const Obstacle& o = pair.obstacle;
+  if (pair.rotation[0] < 0)
+    return {.displacement = o.displacement, .increment = o.increment};
+  return {o.displacement, o.increment, true, gap::matrix_of(gap::quaternion_of(o.angle)), o.turn};
 }
 
 void ContactForces::place_bodies()
@@ -179,6 +213,15 @@ void ContactForces::measure_bodies(double h, bool starts)
     b.body->measure(h, starts);
 }
 
+/// Sums of forces on what a body touches, of all ranks; null for no body.
+double* ContactForces::sums_of(const RigidBody* body)
+{
+  for (std::size_t i = 0; body && i < _bodies.size(); ++i)
+    if (_bodies[i].body.get() == body)
+      return _forces.data() + i * sums_of_body;
+  return nullptr;
+}
+
 void ContactForces::sum_forces_on_bodies()
 {
   if (_bodies.empty())
@@ -203,6 +246,25 @@ void ContactForces::sum_forces_on_bodies()
   std::ranges::fill(_forces, 0.0);
   for (std::size_t k = 0; k < _gathered.size(); ++k)
     _forces[k % _forces.size()] += _gathered[k];
+  // All ranks have these contacts, and compute the same.
+  for (const auto& contact : _rigid_contacts)
+  {
+    contact->evaluate();
+    double* const slave = sums_of(contact->slave().get());
+    double* const master = sums_of(contact->master().get());
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      slave[k] -= contact->force()[k];
+      if (master)
+        master[k] += contact->force()[k];
+    }
+    for (std::size_t k = 0; k < 9; ++k)
+    {
+      slave[3 + k] -= contact->moment_on_slave()[k];
+      if (master)
+        master[3 + k] += contact->moment_on_master()[k];
+    }
+  }
   for (std::size_t i = 0; i < _bodies.size(); ++i)
   {
     const double* const sums = _forces.data() + i * sums_of_body;
@@ -255,12 +317,19 @@ double ContactForces::largest_position() const
   return largest;
 }
 
-double ContactForces::half_work(const Pair& pair, const std::array<double, 3>& increment, int bs)
+double ContactForces::half_work(const Pair& pair, const std::array<double, 3>& increment, const gap::Matrix3& turn,
+                                int bs)
 {
   const std::array<double, 3> force = pair.contact.force();
   double work = 0.0;
   for (int k = 0; k < bs; ++k)
     work += 0.5 * increment[k] * force[k];
+  if (pair.rotation[0] >= 0)
+  {
+    const gap::Matrix3 moment = pair.contact.force_moment();
+    for (int k = 0; k < 9; ++k)
+      work += 0.5 * turn[k] * moment[k];
+  }
   return work;
 }
 
@@ -271,7 +340,7 @@ enforcement::NodalState ContactForces::state() const
 
 void ContactForces::check_step() const
 {
-  if (!empty() && !(_step > 0.0))
+  if (!(empty() && _rigid_contacts.empty()) && !(_step > 0.0))
     throw std::invalid_argument("contact has no step to make its stiffness for: call set_contact_step first");
 }
 
@@ -283,7 +352,14 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
   for (const Pair& pair : _pairs)
     if (!pair.body)
-      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+    {
+      // The arms of the forces before the step are turned by it.
+      gap::Matrix3 ahead;
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          ahead[3 * a + b] = -pair.obstacle.turn[3 * b + a];
+      _obstacle_work += half_work(pair, pair.obstacle.increment, ahead, fields.bs);
+    }
   _obstacle_work += _tie_step.support_work_after();
   _half_obstacle_work = _obstacle_work;
   if (!_search_due)
@@ -302,7 +378,7 @@ void ContactForces::evaluate(NodalFields& fields)
     springs->add_forces(state(), _nodes.springs);
   for (const Pair& pair : _pairs)
     if (!pair.corrects && !pair.body)
-      _obstacle_work += half_work(pair, pair.obstacle.increment, fields.bs);
+      _obstacle_work += half_work(pair, pair.obstacle.increment, pair.obstacle.turn, fields.bs);
   const ContactNodes::Products products = _nodes.add_springs(fields);
   _position = products.position;
   _work.before = 0.5 * products.work;
@@ -347,7 +423,7 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   }
   for (const Pair& pair : _pairs)
     if (pair.corrects)
-      _obstacle_work += half_work(pair, pair.obstacle.increment_before, fields.bs);
+      _obstacle_work += half_work(pair, pair.obstacle.increment_before, {}, fields.bs);
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
     for (int c = 0; c < bs; ++c)
@@ -385,6 +461,12 @@ void ContactForces::add_energies(EnergySums& sums) const
       sums.kinetic += energies.kinetic;
       sums.speed += energies.after;
       sums.load_work += b.body->external_work();
+    }
+  if (_first_rank)
+    for (const auto& contact : _rigid_contacts)
+    {
+      sums.stored += contact->stored();
+      sums.friction += contact->dissipated();
     }
   sums.searches_due = _searches_due;
   for (const Pair& pair : _pairs)
@@ -449,6 +531,8 @@ void ContactForces::forget_searches()
 void ContactForces::restore(ContactNodes::Forces forces, const Work& work, double position, double obstacle_work,
                             const std::vector<Obstacle>& obstacles, const std::vector<RigidBodyState>& bodies)
 {
+  for (std::size_t i = 0; i < _bodies.size(); ++i)
+    _bodies[i].body->state() = bodies[i];
   if (empty())
     return;
   _nodes.restore(std::move(forces));
@@ -459,10 +543,8 @@ void ContactForces::restore(ContactNodes::Forces forces, const Work& work, doubl
   {
     _pairs[k].obstacle = obstacles[k];
     for (const auto& direction : _pairs[k].contact.directions())
-      direction->restore_obstacle({.displacement = obstacles[k].displacement, .increment = obstacles[k].increment});
+      direction->restore_obstacle(motion_of(_pairs[k]));
   }
-  for (std::size_t i = 0; i < _bodies.size(); ++i)
-    _bodies[i].body->state() = bodies[i];
   place_bodies();
   for (enforcement::NodalContact* contact : _directions)
     contact->forget_search();

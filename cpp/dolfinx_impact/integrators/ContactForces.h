@@ -6,6 +6,7 @@
 #include "ContactNodes.h"
 #include "Loads.h"
 #include "RigidBody.h"
+#include "RigidContact.h"
 #include "energy.h"
 #include "update.h"
 #include <array>
@@ -23,12 +24,14 @@ namespace dolfinx_impact::integrators
 class ContactForces
 {
 public:
-  /// Motion of a rigid master [L].
+  /// Motion of a rigid master.
   struct Obstacle
   {
-    std::array<double, 3> displacement{};
-    std::array<double, 3> increment{};        ///< in the last step
-    std::array<double, 3> increment_before{}; ///< in the step before it
+    std::array<double, 3> displacement{};     ///< [L]
+    std::array<double, 3> increment{};        ///< in the last step [L]
+    std::array<double, 3> increment_before{}; ///< in the step before it [L]
+    std::array<double, 3> angle{};            ///< rotation vector [1]
+    gap::Matrix3 turn{};                      ///< in the last step, see RigidMotion [1]
   };
 
   /// @param[in] comm communicator of the run
@@ -36,13 +39,19 @@ public:
 
   /// @param[in] pair contact of a pair, in one direction or both
   /// @param[in] columns of the amplitudes with the displacement of a rigid master; -1: it stays
+  /// @param[in] rotation columns with its rotation vector; -1: it does not turn
   /// @throws std::invalid_argument for a direction that is neither SpringForces nor a KinematicContact nor an
   /// ExplicitTie, or directions that act differently
-  void add(enforcement::NodalPair pair, std::array<int, 3> columns);
+  void add(enforcement::NodalPair pair, std::array<int, 3> columns, std::array<int, 3> rotation = {-1, -1, -1});
   /// The master is a rigid body, which several pairs may share.
   /// @param[in] pair contact of a pair, in one direction
   /// @throws std::invalid_argument unless the pair acts by SpringForces in one direction
   void add(enforcement::NodalPair pair, std::shared_ptr<RigidBody> body);
+  /// A rigid body that may be the master of no pair.
+  void add_body(std::shared_ptr<RigidBody> body);
+  /// Contact of rigid bodies, which have been added.
+  /// @throws std::invalid_argument for bodies that have not
+  void add(std::shared_ptr<RigidContact> contact);
   /// Loads of a rigid body.
   /// @param[in] force, torque columns of the amplitudes; -1: there is none
   /// @throws std::invalid_argument for a body of no pair
@@ -147,7 +156,7 @@ private:
   {
     enforcement::NodalPair contact;
     bool corrects; ///< kinematic, or a tie
-    std::array<int, 3> columns;
+    std::array<int, 3> columns, rotation;
     Obstacle obstacle;
     std::shared_ptr<RigidBody> body; ///< null: the master is none
   };
@@ -157,13 +166,17 @@ private:
     std::array<int, 3> force{-1, -1, -1}, torque{-1, -1, -1}; ///< columns of the amplitudes
   };
   void place_bodies();
+  double* sums_of(const RigidBody* body);
   enforcement::NodalState state() const;
   /// Half the work of a pair's force in the motion of its rigid master.
-  static double half_work(const Pair& pair, const std::array<double, 3>& increment, int bs);
+  /// @param[in] turn what its rotation adds to the arms of the forces
+  static double half_work(const Pair& pair, const std::array<double, 3>& increment, const gap::Matrix3& turn, int bs);
+  gap::RigidMotion motion_of(const Pair& pair) const;
 
   MPI_Comm _comm;
   std::vector<Pair> _pairs;
   std::vector<Body> _bodies;
+  std::vector<std::shared_ptr<RigidContact>> _rigid_contacts;
   /// For each body force and moment, of this rank and of all.
   std::vector<double> _forces, _gathered;
   bool _first_rank = true;                             ///< has it what is the same on all ranks?

@@ -2,9 +2,11 @@
 #pragma once
 #include "../gap/RigidMotion.h"
 #include "../state/State.h"
+#include "RigidInertia.h"
 #include "energy.h"
 #include <array>
 #include <string>
+#include <vector>
 
 namespace dolfinx_impact::integrators
 {
@@ -34,6 +36,7 @@ struct RigidBodyState
   std::array<double, 3> force{};                      ///< of contact, on the slaves, at the present time level [F]
   gap::Matrix3 force_moment{};                        ///< see NodalContact::force_moment [F L]
   Work work;                                          ///< of loads, and of contact forces where the motion is fixed
+  std::vector<double> meetings; ///< what contacts with other rigid bodies remember, see RigidContact
 
   /// As named arrays, views.
   state::State state(const std::string& name);
@@ -109,31 +112,20 @@ public:
 
   /// Is the translation, are all components of the spin fixed?
   bool translates() const;
-  bool rotates() const { return _rotation != Rotation::fixed; }
+  bool rotates() const { return _inertia.rotates(); }
   /// Upper bound of what a unit force accelerates the body by, at a point at a distance from the centre [1/M].
   double mobility(double arm) const;
 
 private:
-  enum class Rotation
-  {
-    fixed, ///< with constant spin
-    free,
-    partly ///< some components are zero
-  };
   std::array<double, 3> force() const;
   std::array<double, 3> torque() const;
-  std::array<double, 3> spin_of(const std::array<double, 3>& momentum, const std::array<double, 4>& rotation) const;
-  gap::Matrix3 inertia_at(const std::array<double, 4>& rotation) const;
   double kinetic(const RigidBodyState& at, const std::array<double, 3>& momentum,
                  const std::array<double, 3>& angular) const;
   void rotate(double dt);
   double half_work(const RigidBodyState& motion) const;
 
   RigidBodyOptions _options;
-  Rotation _rotation = Rotation::free;
-  std::array<double, 3> _moments{};             ///< principal; the first two are those that differ least [M L^2]
-  std::array<std::array<double, 3>, 3> _axes{}; ///< principal axes at the start, right-handed [1]
-  double _least = 0.0;                          ///< least principal moment [M L^2]
+  RigidInertia _inertia;
   RigidBodyState _now;
   std::array<double, 3> _load{}, _load_torque{};
   Energies _energies;

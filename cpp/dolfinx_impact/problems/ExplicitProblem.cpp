@@ -32,6 +32,13 @@ std::vector<std::shared_ptr<RigidBodyInTime>> bodies_of(const std::vector<Contac
   for (const ContactInTime& c : contacts)
     if (c.body && std::ranges::find(out, c.body) == out.end())
       out.push_back(c.body);
+  for (std::size_t i = 0; i < out.size(); ++i) // and those that they meet
+  {
+    const std::vector<RigidBodyInTime::Meeting> meetings = out[i]->meetings;
+    for (const RigidBodyInTime::Meeting& meeting : meetings)
+      if (meeting.master && std::ranges::find(out, meeting.master) == out.end())
+        out.push_back(meeting.master);
+  }
   return out;
 }
 
@@ -77,20 +84,25 @@ std::unique_ptr<integrators::CentralDifference> make_integrator(const ExplicitBo
     out.add_load(load.dofs, load.values, load.amplitude ? column++ : -1);
   for (const ContactInTime& c : contacts)
   {
-    if (c.motion && c.body)
+    if ((c.motion || c.rotation) && c.body)
       throw std::invalid_argument(c.name + ": a rigid body moves by forces, not as a function of time");
     const auto columns = add_vector(problem.functions(), c.motion, c.name + ": the motion of a rigid master");
+    const auto rotation = add_vector(problem.functions(), c.rotation, c.name + ": the rotation of a rigid master");
     if (c.body)
       out.add_rigid_body_contact(c.contact, in_integrator(c.body));
     else
-      out.add_contact(c.contact, columns);
+      out.add_contact(c.contact, columns, rotation);
   }
   for (const auto& rigid : bodies_of(contacts))
   {
+    out.add_body(in_integrator(rigid));
     const auto force = add_vector(problem.functions(), rigid->force, "the force on a rigid body");
     const auto torque = add_vector(problem.functions(), rigid->torque, "the torque on a rigid body");
     out.set_body_loads(rigid->body, force, torque);
   }
+  for (const auto& rigid : bodies_of(contacts))
+    for (const RigidBodyInTime::Meeting& meeting : rigid->meetings)
+      out.add_rigid_contact(meeting.contact);
   out.set_release_limit(options.release_limit);
   return integrator;
 }
@@ -158,7 +170,15 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
     for (const ContactInTime& c : contacts)
       if (c.body == rigid)
         pairs.push_back(&c.contact);
-    set_mobility(u.function_space()->mesh()->comm(), rigid->body, pairs);
+    const auto bodies = bodies_of(contacts);
+    const bool meets =
+        std::ranges::any_of(bodies,
+                            [&](const auto& body)
+                            {
+                              return std::ranges::any_of(body->meetings, [&](const RigidBodyInTime::Meeting& meeting)
+                                                         { return body == rigid || meeting.master == rigid; });
+                            });
+    set_mobility(u.function_space()->mesh()->comm(), rigid->body, pairs, meets);
   }
   std::optional<std::span<const double>> moduli;
   if (body.elasticity)

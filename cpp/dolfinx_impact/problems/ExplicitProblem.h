@@ -32,6 +32,8 @@ struct ContactInTime
   std::string name = "contact";                        ///< for messages
   std::optional<FunctionOfTime> motion = std::nullopt; ///< displacement of a rigid master; nothing: it stays [L]
   std::shared_ptr<RigidBodyInTime> body{};             ///< the master moves by forces; null: it does not
+  /// Rotation vector of a rigid master about its centre; nothing: it does not turn [1].
+  std::optional<FunctionOfTime> rotation = std::nullopt;
 };
 
 struct ExplicitOptions

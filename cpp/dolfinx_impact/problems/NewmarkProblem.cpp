@@ -35,9 +35,10 @@ FunctionsOfTime functions_of(const BodyLoads& loads)
 NewmarkProblem::NewmarkProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, ImplicitBody body,
                                std::vector<PrescribedMotion> supports, std::vector<LoadInTime> loads,
                                std::vector<ImplicitContact> contacts, const NewmarkOptions& options,
-                               std::shared_ptr<Function> a, const FunctionsOfTime::Source& source)
+                               std::shared_ptr<Function> a, const FunctionsOfTime::Source& source,
+                               std::vector<ImplicitBodyInTime> bodies)
     : TransientProblem(std::move(u), std::move(v), std::move(supports), functions_of(body.loads), std::move(a)),
-      _options(options), _body(std::move(body)), _history(contacts.size())
+      _options(options), _body(std::move(body)), _bodies(std::move(bodies)), _history(contacts.size())
 {
   auto loaded = std::make_shared<LoadedBody>(_body.body, num_owned());
   auto moving = std::make_shared<integrators::MovingBody>(loaded, _u, _v, _body.inertia, _body.alpha, _body.damping);
@@ -50,10 +51,18 @@ NewmarkProblem::NewmarkProblem(std::shared_ptr<Function> u, std::shared_ptr<Func
                 [&]
                 {
                   excitation = std::make_shared<TimeExcitation>(comm(), _functions, _supports, _body.loads, loaded,
-                                                                std::move(loads), contacts);
+                                                                std::move(loads), contacts, _bodies);
                 });
   _stepper = std::make_unique<integrators::ImplicitStepper>(_equilibrium, moving, options.scheme, excitation,
                                                             _body.mass, _v, _a);
+  std::vector<RigidMember> members;
+  for (const ImplicitBodyInTime& rigid : _bodies)
+  {
+    _stepper->add_body(rigid.body, rigid.contacts);
+    members.push_back({rigid.body, rigid.contacts});
+  }
+  if (!members.empty())
+    _rigid = std::make_unique<RigidEquilibrium>(_equilibrium, std::move(members));
   _functions.set_source(source);
   _stepper->enter_contact();
   _stepper->start({});
@@ -151,6 +160,8 @@ void NewmarkProblem::advance(double until, const ImplicitAdvance& options, const
   newton.atol = options.atol;
   newton.max_iterations = options.max_iterations;
   _solver = std::make_unique<solve::IncrementSolver>(_equilibrium, newton, events.newton);
+  if (_rigid)
+    _rigid->set_log(events.newton.log);
   try
   {
     if (events.begins)
@@ -160,10 +171,27 @@ void NewmarkProblem::advance(double until, const ImplicitAdvance& options, const
   catch (...)
   {
     _solver->tell_nobody();
+    if (_rigid)
+      _rigid->set_log({});
     throw;
   }
+  if (_rigid)
+    _rigid->set_log({});
   _solver->free();
   _solver.reset();
+}
+
+/// Solve the equations of a step, those of rigid bodies with them. Collective.
+solve::Increment NewmarkProblem::solve_step(std::span<const double> target)
+{
+  const auto solver = [this](std::span<const double> goal) { return _solver->run(goal); };
+  if (!_rigid)
+    return solver(target);
+  solve::Increment out = _rigid->run(solver, target);
+  out.iterations = _rigid->most_iterations(); // the next step's length depends on how hard this one was for the bodies
+  for (std::size_t b = 0; out.fault.empty() && b < _bodies.size(); ++b)
+    _bodies[b].body->solution = _rigid->solution(b);
+  return out;
 }
 
 void NewmarkProblem::take_steps(double until, const Callback& callback, const ImplicitRunEvents& events)
@@ -172,7 +200,7 @@ void NewmarkProblem::take_steps(double until, const Callback& callback, const Im
   while (_time < until)
   {
     const double goal = events.goal ? std::min(until, events.goal()) : until;
-    _stepper->take_step(goal, *_control, [this](std::span<const double> target) { return _solver->run(target); }, told);
+    _stepper->take_step(goal, *_control, [this](std::span<const double> target) { return solve_step(target); }, told);
     set_time();
     add_row();
     if (events.accepted)

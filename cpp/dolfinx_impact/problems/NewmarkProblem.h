@@ -2,6 +2,7 @@
 #pragma once
 #include "../integrators/newmark/ImplicitStepper.h"
 #include "../solve/IncrementSolver.h"
+#include "RigidEquilibrium.h"
 #include "RunHistory.h"
 #include "TimeExcitation.h"
 #include "implicit_body.h"
@@ -62,12 +63,14 @@ public:
   /// @param[in] body as implicit_body makes it, or composed of one's own residual (FormBody) and mass
   /// @param[in] a becomes the acceleration; null: a new function [L/T^2]
   /// @param[in] source samples all functions of time in the constructor, in place of them; may be empty
+  /// @param[in] bodies rigid ones that contacts and loads move
   /// @throws std::invalid_argument for what does not fit; common::BadValue on all ranks if a prescribed displacement
   /// jumps at the start
   NewmarkProblem(std::shared_ptr<Function> u, std::shared_ptr<Function> v, ImplicitBody body,
                  std::vector<PrescribedMotion> supports = {}, std::vector<LoadInTime> loads = {},
                  std::vector<ImplicitContact> contacts = {}, const NewmarkOptions& options = {},
-                 std::shared_ptr<Function> a = nullptr, const FunctionsOfTime::Source& source = {});
+                 std::shared_ptr<Function> a = nullptr, const FunctionsOfTime::Source& source = {},
+                 std::vector<ImplicitBodyInTime> bodies = {});
   ~NewmarkProblem() override;
 
   /// Advance to a time; a step ends there. A step that does not converge is repeated with half its length. Collective.
@@ -102,18 +105,25 @@ public:
   integrators::ImplicitStepper& stepper() { return *_stepper; }
   RunHistory& history() { return _history; }
   const ImplicitBody& body() const { return _body; }
+  /// Rigid bodies that contacts and loads move.
+  const std::vector<ImplicitBodyInTime>& rigid_bodies() const { return _bodies; }
+  /// Their equilibrium in a step; null: there are none.
+  RigidEquilibrium* rigid_equilibrium() { return _rigid.get(); }
 
 private:
   void add_row();
+  solve::Increment solve_step(std::span<const double> target);
   void take_steps(double until, const Callback& callback, const ImplicitRunEvents& events);
 
   NewmarkOptions _options;
   ImplicitBody _body;
+  std::vector<ImplicitBodyInTime> _bodies;
   std::shared_ptr<solve::EquilibriumProblem> _equilibrium;
   std::unique_ptr<integrators::ImplicitStepper> _stepper;
   std::optional<integrators::StepControl> _control; ///< of the last call of `advance`
   /// Of the present call. After an exception, which may be that of one rank, it stays until ranks are together again.
   std::unique_ptr<solve::IncrementSolver> _solver;
+  std::unique_ptr<RigidEquilibrium> _rigid; ///< null: there are no rigid bodies
   bool _advancing = false;
   RunHistory _history;
 };

@@ -12,6 +12,10 @@ namespace dolfinx_impact::problems
 {
 namespace
 {
+/// How much softer springs are beside those to other rigid bodies, which have a two-hundredth of their limit: with a
+/// hundredth of the areas as the weight of these in Gershgorin's bound.
+constexpr double beside = 1.01;
+
 /// Largest arm about the centre that a contact force can have.
 double largest_arm(MPI_Comm comm, const enforcement::NodeToSurface& contact)
 {
@@ -40,8 +44,18 @@ double largest_arm(MPI_Comm comm, const enforcement::NodeToSurface& contact)
 }
 } // namespace
 
+void meet(RigidBodyInTime& slave, integrators::RigidContactOptions options, std::shared_ptr<RigidBodyInTime> master)
+{
+  // The body has its contact, which therefore does not own the body; `meetings` owns the other one.
+  const auto borrowed = [](integrators::RigidBody* body)
+  { return std::shared_ptr<integrators::RigidBody>(std::shared_ptr<void>(), body); };
+  auto contact = std::make_shared<integrators::RigidContact>(std::move(options), borrowed(&slave.body),
+                                                             borrowed(master ? &master->body : nullptr));
+  slave.meetings.push_back({std::move(contact), std::move(master)});
+}
+
 void set_mobility(MPI_Comm comm, const integrators::RigidBody& body,
-                  std::span<const enforcement::NodalPair* const> contacts)
+                  std::span<const enforcement::NodalPair* const> contacts, bool meets)
 {
   std::vector<enforcement::NodeToSurface*> springs;
   for (const enforcement::NodalPair* contact : contacts)
@@ -61,6 +75,6 @@ void set_mobility(MPI_Comm comm, const integrators::RigidBody& body,
   }
   area = common::sum(comm, area);
   for (enforcement::NodeToSurface* contact : springs)
-    contact->set_mobility(area * body.mobility(arm));
+    contact->set_mobility((meets ? beside : 1.0) * area * body.mobility(arm));
 }
 } // namespace dolfinx_impact::problems

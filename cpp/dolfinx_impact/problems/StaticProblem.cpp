@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "StaticProblem.h"
 #include "../common/dolfinx_api.h"
+#include "../operators/body_size.h"
 #include "../operators/petsc_check.h"
 #include "OneCall.h"
 #include <algorithm>
@@ -52,10 +53,25 @@ void StaticProblem::move_obstacle(std::size_t contact, const std::array<double, 
   _obstacles[contact] = displacement;
 }
 
-void StaticProblem::add_rigid_body(StaticRigidBody body)
+void StaticProblem::turn_obstacle(std::size_t contact, solve::Ramp angle)
 {
-  RigidEquilibrium(_equilibrium, {body});
-  _rigid_bodies.push_back(std::move(body));
+  const enforcement::StaticContact& turned = *_equilibrium->contacts.at(contact);
+  if (!turned.rotation() || angle.value.size() != 3)
+    throw std::invalid_argument(turned.name() + " has no rigid master that turns by three components");
+  add_load(angle);
+  _angles.emplace_back(contact, angle.value);
+}
+
+void StaticProblem::add_rigid_body(std::vector<std::size_t> contacts, const std::array<bool, 6>& fixed,
+                                   std::span<const double> force, std::span<const double> torque)
+{
+  if (contacts.empty())
+    throw std::invalid_argument("a rigid body of a problem is the master of a contact");
+  const auto body =
+      std::make_shared<StaticRigidBody>(fixed, force, torque, _equilibrium->contacts.at(contacts.front())->centre(),
+                                        operators::body_size(*_equilibrium->space().mesh()));
+  RigidEquilibrium(_equilibrium, {{body, contacts}});
+  _rigid_bodies.push_back({body, std::move(contacts)});
 }
 
 void StaticProblem::check(const SolveOptions& options) const
@@ -97,7 +113,7 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
   const solve::EquilibriumProblem& p = *_equilibrium;
   check(options);
   // Rigid bodies begin where they are.
-  for (const StaticRigidBody& body : _rigid_bodies)
+  for (const Rigid& body : _rigid_bodies)
     for (std::size_t k : body.contacts)
       _obstacles[k] = p.contacts[k]->displacement();
   for (const auto& contact : p.contacts)
@@ -110,12 +126,26 @@ solve::LoadStepReport StaticProblem::solve(const solve::LoadSteps::Solver& solve
     bc->set(common::array(target), std::nullopt, 1.0);
   target.scatter_fwd();
   solve::LoadSteps steps(_equilibrium, {target.array().begin(), target.array().end()}, _loads, _obstacles, events);
+  for (const auto& [contact, angle] : _angles)
+    steps.turn(contact, angle);
   const int several = p.contacts.empty() && options.steps == 1 ? 0 : 8;
   const solve::LoadStepOptions limits{options.steps, options.cut_backs.value_or(several), options.brings_together};
   if (!_rigid_bodies.empty())
   {
-    RigidEquilibrium rigid(_equilibrium, _rigid_bodies, events.log);
-    return steps.run([&](std::span<const double> goal) { return rigid.run(solver, goal); }, limits);
+    std::vector<RigidMember> members;
+    for (const Rigid& body : _rigid_bodies)
+      members.push_back({body.body, body.contacts});
+    RigidEquilibrium rigid(_equilibrium, members, events.log);
+    const auto solve = [&](std::span<const double> goal)
+    {
+      for (const Rigid& body : _rigid_bodies)
+      {
+        const enforcement::StaticContact& contact = *p.contacts[body.contacts.front()];
+        body.body->begin({*contact.displacement(), contact.rotation().value_or(gap::identity)});
+      }
+      return rigid.run(solver, goal);
+    };
+    return steps.run(solve, limits);
   }
   return steps.run(solver, limits);
 }

@@ -3,6 +3,7 @@
 #include "../solve/IncrementSolver.h"
 #include "../solve/LoadSteps.h"
 #include "RigidEquilibrium.h"
+#include "StaticRigidBody.h"
 #include "make_equilibrium.h"
 #include <array>
 #include <dolfinx/fem/DirichletBC.h>
@@ -67,11 +68,18 @@ public:
   /// Displacement of a contact's rigid master that the next solve leads to [L].
   /// @throws std::invalid_argument if its master is deformable
   void move_obstacle(std::size_t contact, const std::array<double, 3>& displacement);
+  /// Turn a contact's rigid master about its centre, as a load that is applied in parts.
+  /// @param[in] angle rotation vector since the reference configuration, three components [1]
+  /// @throws std::invalid_argument for a master that cannot turn
+  void turn_obstacle(std::size_t contact, solve::Ramp angle);
   /// A rigid master that loads and contacts move: solves look for its equilibrium, too.
-  /// @param[in] body the view of its force must stay valid, and be that of a load of `add_load` if it is to be applied
-  /// in parts
-  /// @throws std::invalid_argument as the constructor of RigidEquilibrium
-  void add_rigid_body(StaticRigidBody body);
+  /// @param[in] contacts whose master it is
+  /// @param[in] fixed components that stay: x, y, z, rx, ry, rz
+  /// @param[in] force, torque views of three components, which must stay valid, and be those of loads of `add_load` if
+  /// they are to be applied in parts [F], [F L]
+  /// @throws std::invalid_argument as the constructors of RigidEquilibrium and StaticRigidBody
+  void add_rigid_body(std::vector<std::size_t> contacts, const std::array<bool, 6>& fixed,
+                      std::span<const double> force, std::span<const double> torque);
   /// Displacements, state of bodies and contacts, and loads as reached: copied, the problem can be brought back to it.
   state::State state();
   /// Compute what follows from a state that was assigned: ghosts. Collective.
@@ -93,7 +101,13 @@ private:
   BoundaryConditions _bcs;
   std::vector<solve::LoadSteps::Displacement> _obstacles;
   std::vector<solve::Ramp> _loads;
-  std::vector<StaticRigidBody> _rigid_bodies;
+  struct Rigid
+  {
+    std::shared_ptr<StaticRigidBody> body;
+    std::vector<std::size_t> contacts;
+  };
+  std::vector<Rigid> _rigid_bodies;
+  std::vector<std::pair<std::size_t, std::span<const double>>> _angles; ///< of contacts whose master turns
   std::vector<std::unique_ptr<std::vector<double>>> _reached; ///< loads of the last solve, of those without a view
   /// Of the present solve. After an exception, which may be that of one rank, it stays until ranks are together again.
   std::unique_ptr<solve::IncrementSolver> _solver;

@@ -16,7 +16,8 @@ constexpr double difference = 0.01; // of a step: half the distance at which fun
 
 TimeExcitation::TimeExcitation(MPI_Comm comm, FunctionsOfTime& functions, const Supports& supports, BodyLoads loads,
                                std::shared_ptr<LoadedBody> body, std::vector<LoadInTime> forces,
-                               const std::vector<ImplicitContact>& contacts)
+                               const std::vector<ImplicitContact>& contacts,
+                               const std::vector<ImplicitBodyInTime>& bodies)
     : _comm(comm), _functions(functions), _supports(supports), _loads(std::move(loads)), _body(std::move(body)),
       _forces(std::move(forces))
 {
@@ -40,8 +41,19 @@ TimeExcitation::TimeExcitation(MPI_Comm comm, FunctionsOfTime& functions, const 
       throw std::invalid_argument(c.contact->name() + " has no rigid master that could move");
     if (c.motion && c.motion->size() != 3)
       throw std::invalid_argument(c.contact->name() + ": the motion of a rigid master has three components");
-    _masters.push_back(
-        {c.start.value_or(place.value_or(std::array<double, 3>{})), c.motion ? functions.add(*c.motion) : -1});
+    if (c.rotation && (c.rotation->size() != 3 || !c.contact->rotation()))
+      throw std::invalid_argument(c.contact->name() + ": a rotation has three components, of a master that turns");
+    const int motion = c.motion ? functions.add(*c.motion) : -1;
+    _masters.push_back({c.start.value_or(place.value_or(std::array<double, 3>{})), motion,
+                        c.rotation ? functions.add(*c.rotation) : -1});
+  }
+  for (const ImplicitBodyInTime& body : bodies)
+  {
+    for (const auto& load : {body.force, body.torque})
+      if (load && load->size() != 3)
+        throw std::invalid_argument("a load on a rigid body has three components");
+    const int force = body.force ? functions.add(*body.force) : -1;
+    _bodies.push_back({force, body.torque ? functions.add(*body.torque) : -1});
   }
 }
 
@@ -71,12 +83,26 @@ integrators::TimeValues TimeExcitation::sample(std::optional<double> step, doubl
     }
   for (int column : _columns)
     out.factors.push_back(column < 0 ? 1.0 : at(3, column));
-  for (const auto& [start, column] : _masters)
+  const auto vector = [&](int column)
   {
-    std::array<double, 3> place = start;
+    std::array<double, 3> values{};
     for (int c = 0; column >= 0 && c < 3; ++c)
-      place[c] += at(3, column + c);
+      values[c] = at(3, column + c);
+    return values;
+  };
+  for (const Master& master : _masters)
+  {
+    std::array<double, 3> place = master.start;
+    const std::array<double, 3> moved = vector(master.motion);
+    for (int c = 0; c < 3; ++c)
+      place[c] += moved[c];
     out.places.push_back(place);
+    out.angles.push_back(vector(master.rotation));
+  }
+  for (const auto& [force, torque] : _bodies)
+  {
+    out.body_forces.push_back(vector(force));
+    out.body_torques.push_back(vector(torque));
   }
   return out;
 }

@@ -69,6 +69,17 @@ State saved_state(NewmarkProblem& problem)
   for (const auto& force : forces.obstacles)
     obstacles.insert(obstacles.end(), force.begin(), force.end());
   out.add_own("obstacles", Place::all, std::move(obstacles));
+  if (std::ranges::any_of(p.contacts, [](const auto& contact) { return contact->rotation().has_value(); }))
+  {
+    std::vector<double> torques;
+    for (const auto& torque : forces.torques)
+      torques.insert(torques.end(), torque.begin(), torque.end());
+    out.add_own("torques", Place::all, std::move(torques));
+  }
+  if (const RigidEquilibrium* const rigid = problem.rigid_equilibrium())
+    out.add_own("rigid stiffness", Place::all, rigid->stiffness());
+  for (std::size_t b = 0; b < problem.rigid_bodies().size(); ++b)
+    out.add(problem.rigid_bodies()[b].body->state().state("rigid body " + std::to_string(b)).copy());
   add_contacts(out, p.contacts);
   return out;
 }
@@ -101,6 +112,20 @@ void resume(NewmarkProblem& problem, const State& saved)
                              {}};
   for (std::size_t k = 0; k < p.contacts.size(); ++k)
     forces.obstacles.push_back({obstacles[3 * k], obstacles[3 * k + 1], obstacles[3 * k + 2]});
+  forces.torques.resize(p.contacts.size());
+  if (std::ranges::any_of(p.contacts, [](const auto& contact) { return contact->rotation().has_value(); }))
+  {
+    const auto torques = saved.values<double>("torques");
+    for (std::size_t k = 0; k < 3 * p.contacts.size(); ++k)
+      forces.torques[k / 3][k % 3] = torques[k];
+  }
+  if (problem.rigid_equilibrium())
+    problem.rigid_equilibrium()->set_stiffness(vector(saved, "rigid stiffness"));
+  for (std::size_t b = 0; b < problem.rigid_bodies().size(); ++b)
+  {
+    const std::string name = "rigid body " + std::to_string(b);
+    problem.rigid_bodies()[b].body->state().state(name).assign(saved.part(name));
+  }
   stepper.energy_balance().set_forces(std::move(forces));
   problem.history().resume(number<double>(saved, "total_start"), number<double>(saved, "largest"));
   stepper.resume();

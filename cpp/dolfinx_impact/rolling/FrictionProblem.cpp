@@ -174,7 +174,8 @@ FrictionProblem::Solution FrictionProblem::solve(const LinearState& state, std::
 /// Coefficients of friction of all nodes.
 /// @param[in] pressure normal forces [F]
 /// @param[in] slip velocities in the frames, [i*(gdim - 1) + t]
-FrictionProblem::Friction FrictionProblem::friction(std::span<const double> pressure, std::span<const double> slip) const
+FrictionProblem::Friction FrictionProblem::friction(std::span<const double> pressure,
+                                                    std::span<const double> slip) const
 {
   const std::size_t g = _nodes.gdim, t = g - 1;
   Friction out{_nodes.friction, std::vector<double>(_num, 0.0), std::vector<double>(_num * t, 0.0)};

@@ -77,7 +77,7 @@ private:
     std::vector<double> forces, error;        ///< [i*gdim + a] [F]
     std::vector<std::int8_t> active, sliding; ///< nodes in contact; those that slip
     std::vector<double> direction;            ///< of the trial tractions, [i*(gdim - 1) + t]
-    std::vector<double> kappa; ///< friction times pressure over the length of the trial traction, at most 1
+    std::vector<double> kappa;          ///< friction times pressure over the length of the trial traction, at most 1
     std::vector<double> limit_by_force; ///< derivative of friction times pressure by the pressure
     std::vector<double> limit_by_slip;  ///< and by the slip velocity in the frame, [i*(gdim - 1) + t]
 

@@ -57,8 +57,11 @@ ReducedContacts::Solution ReducedContacts::forces(const ContactOperators& operat
   }
   const LinearState state{candidates.gather(at.forces, g), candidates.gather(at.gaps, 1),
                           candidates.gather(at.slips, g)};
-  CandidateNodes nodes{g, candidates.gather(operators.frames(), g * g), candidates.gather(friction, 1),
-                       as_mask(candidates.gather(carriers, 1)), as_mask(candidates.gather(operators.held(), g)),
+  CandidateNodes nodes{g,
+                       candidates.gather(operators.frames(), g * g),
+                       candidates.gather(friction, 1),
+                       as_mask(candidates.gather(carriers, 1)),
+                       as_mask(candidates.gather(operators.held(), g)),
                        {}};
   const std::vector<double> numbers = candidates.gather(number, 1), all_fields = candidates.gather(fields, width),
                             all_areas = candidates.gather(areas, 1);

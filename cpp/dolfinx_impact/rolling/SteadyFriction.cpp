@@ -6,8 +6,9 @@
 
 namespace dolfinx_impact::rolling
 {
-SteadyFriction::SteadyFriction(const FrictionNodes& nodes, std::span<const double> friction, std::span<const double> gap,
-                               std::span<const double> slip, std::span<const double> multipliers)
+SteadyFriction::SteadyFriction(const FrictionNodes& nodes, std::span<const double> friction,
+                               std::span<const double> gap, std::span<const double> slip,
+                               std::span<const double> multipliers)
     : active(gap.size(), 0), sliding(gap.size(), 0), target(multipliers.size(), 0.0)
 {
   const int g = nodes.gdim;

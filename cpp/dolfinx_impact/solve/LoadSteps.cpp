@@ -2,6 +2,7 @@
 #include "LoadSteps.h"
 #include "../common/dolfinx_api.h"
 #include "../common/text.h"
+#include "../gap/rotation.h"
 #include "bring_together.h"
 #include "equilibrium.h"
 #include <algorithm>
@@ -35,6 +36,7 @@ LoadSteps::LoadSteps(std::shared_ptr<const EquilibriumProblem> problem, std::vec
     _load_ends.emplace_back(load.value.begin(), load.value.end());
   for (const auto& contact : _problem->contacts)
     _obstacle_starts.push_back(contact->displacement());
+  _angles.resize(_obstacles.size());
 }
 
 void LoadSteps::log(const std::string& text) const
@@ -68,6 +70,8 @@ void LoadSteps::begin(double fraction)
       for (int c = 0; c < 3; ++c)
         (*there)[c] = (*_obstacle_starts[k])[c] + fraction * ((*_obstacles[k])[c] - (*_obstacle_starts[k])[c]);
     }
+    if (const std::span<const double> angle = _angles[k]; !angle.empty())
+      _problem->contacts[k]->set_rotation(gap::matrix_of(gap::quaternion_of({angle[0], angle[1], angle[2]})));
     _problem->contacts[k]->begin_step(_problem->u->x()->array(), there, prescribed);
   }
 }

@@ -70,6 +70,10 @@ public:
   LoadSteps(std::shared_ptr<const EquilibriumProblem> problem, std::vector<double> target, std::vector<Ramp> loads,
             std::vector<Displacement> obstacles, LoadStepEvents events = {});
 
+  /// Turn the rigid master of a contact.
+  /// @param[in] angle view of its rotation vector since the reference configuration, of a load that is applied in
+  /// parts [1]
+  void turn(std::size_t contact, std::span<const double> angle) { _angles[contact] = angle; }
   /// Solve all increments. Collective.
   /// @throws std::runtime_error an increment did not converge; the problem is in its last converged state then, as
   /// after exceptions of `solver` and events
@@ -87,6 +91,7 @@ private:
   std::vector<Ramp> _loads;
   std::vector<std::vector<double>> _load_ends;
   std::vector<Displacement> _obstacle_starts, _obstacles;
+  std::vector<std::span<const double>> _angles; ///< of rigid masters that turn as prescribed; empty: of others
   LoadStepEvents _events;
 };
 } // namespace dolfinx_impact::solve

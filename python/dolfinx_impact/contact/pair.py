@@ -182,9 +182,21 @@ class ContactPair(Fixed):
         """
         if self.rigid_body is not None and not getattr(problem, "moves_rigid_bodies", False):
             raise ValueError(
-                f"{self.name}: {what} does not move a RigidBody: take Penalty in an ExplicitProblem, or a "
-                "StaticProblem, or give its surface as the master and displace it"
+                f"{self.name}: {what} does not move a RigidBody: take Penalty in an ExplicitProblem or a "
+                "NewmarkProblem, or a StaticProblem, or give its surface as the master and displace it"
             )
+
+    def refuse_angle(self, why: str) -> None:
+        """Refuse a rigid master that turns as prescribed.
+
+        Args:
+            why: sentence that says what cannot turn it, and what can.
+
+        Raises:
+            ValueError: the master has an angle.
+        """
+        if self.rigid and self.rigid_body is None and self.rigid_master.angle is not None:
+            raise ValueError(f"{self.name}: {why}")
 
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
         """Check the arguments of a pair, on this rank."""

@@ -4,8 +4,10 @@
 from typing import Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from .. import _cpp
+from ..amplitude import Amplitude, is_in_time
 from ..common.arguments import number
 from ..common.fixed import Fixed, read_only
 from ..common.types import ArrayLike, FloatArray
@@ -34,6 +36,11 @@ def _unit(name: str, value: Any) -> FloatArray:
     return vector / length
 
 
+def rotation_vector(name: str, value: Any) -> FloatArray:
+    """A checked vector of rotation; a number is one about z, (3)."""
+    return _vector(name, (0.0, 0.0, number(name, value)) if np.ndim(value) == 0 else value)
+
+
 class _Rigid(Fixed):
     """Base of rigid obstacles: a displacement that may be changed between solves; load steps divide it equally.
     Problems in time read displacement and motion when they are made, and refuse to go on with others.
@@ -43,6 +50,10 @@ class _Rigid(Fixed):
             (times, values), or None [L].
         velocity: of rolling problems, (3): that of its surface, which stays where it is, as of a rigid rail that moves
             along itself [L/T].
+        angle: rotation about `pivot`, before the displacement: a rotation vector, (3), in the plane a number, of which
+            static problems take the present value; in problems in time a function of time, or a pair (times, values),
+            too. It turns the obstacle by the length of the vector about its direction. None: it does not turn [1].
+        pivot: point that it turns about, before the displacement, (3); None: a point of the plane, or the centre [L].
     """
 
     given_once: tuple[str, ...] = ()  # arguments whose names have the present values, which change in a run
@@ -52,12 +63,15 @@ class _Rigid(Fixed):
         self._kind, self._point, self._direction, self._radius = kind, point, direction, radius
         self._displacement = self._velocity = _vector("displacement", (0.0, 0.0, 0.0))
         self._motion: Any = None
+        self._angle: Any = None
+        self._pivot: FloatArray | None = None
         self._shared: dict[int, _cpp.gap.Rigid] = {}
 
     def __repr__(self) -> str:
         moved = f", displacement={self._displacement.tolist()}" if np.any(self._displacement) else ""
         driven = ", motion=..." if self.motion is not None else ""
-        return f"{type(self).__name__}({self._made_of()}{moved}{driven})"
+        turned = ", angle=..." if self.angle is not None else ""
+        return f"{type(self).__name__}({self._made_of()}{moved}{driven}{turned})"
 
     def _made_of(self) -> str:
         """Arguments as `repr` shows them."""
@@ -66,12 +80,14 @@ class _Rigid(Fixed):
     def description(self) -> str:
         """Shape, position and whether it moves, by which checkpoints of problems in time recognise the obstacle."""
         motion = "with" if self.motion is not None else "without"
-        return f"{self.shape_description()} at {self.displacement.tolist()!r} {motion} motion"
+        turned = "" if self.angle is None else f", turned as a function of time {is_in_time(self.angle)}"
+        return f"{self.shape_description()} at {self.displacement.tolist()!r} {motion} motion{turned}"
 
     def shape_description(self) -> str:
         """Shape, by which checkpoints of static problems recognise the obstacle."""
         numbers: list[Any] = [np.asarray(v).tolist() for v in (self._point, self._direction, self._radius)]
         numbers += [self._checksum] if self._checksum else []
+        numbers += [] if self.angle is None else [self.pivot.tolist()]
         return f"rigid {self._kind} {numbers!r}"
 
     def same_on_all_ranks(self) -> list[Any]:
@@ -80,7 +96,9 @@ class _Rigid(Fixed):
         Returns:
             Shape, displacement and motion.
         """
-        return [self._kind, self._point, self._direction, self._radius, self._displacement, self.motion, self._velocity]
+        turned = [] if self.angle is None else [self.angle, self.pivot]
+        moved = [self._displacement, self.motion, self._velocity]
+        return [self._kind, self._point, self._direction, self._radius, *moved, *turned]
 
     @property
     def displacement(self) -> FloatArray:
@@ -110,6 +128,56 @@ class _Rigid(Fixed):
     def motion(self, value: Any) -> None:
         self._motion = value
 
+    @property
+    def angle(self) -> Any:
+        """Rotation vector about `pivot`, (3), or a function of time; None: it does not turn [1]."""
+        return self._angle
+
+    @angle.setter
+    def angle(self, value: Any) -> None:
+        self._angle = value if value is None or is_in_time(value) else rotation_vector("angle", value)
+
+    @property
+    def pivot(self) -> FloatArray:
+        """Point that it turns about, before the displacement, (3) [L]."""
+        return self._point if self._pivot is None else self._pivot
+
+    @pivot.setter
+    def pivot(self, value: ArrayLike) -> None:
+        self._pivot = _vector("pivot", value)
+
+    def turns_in(self, problem: Any) -> bool:
+        """Whether a problem rotates it.
+
+        Args:
+            problem: the problem.
+        """
+        return self.angle is not None
+
+    def rotation_at_start(self, name: str) -> list[float]:
+        """Its rotation when a run starts, a matrix row by row, (9) [1].
+
+        Args:
+            name: of the contact, for messages.
+        """
+        turned = self.angle_in_time(name)
+        start = np.zeros(3) if turned is None else turned.sample(np.zeros(1))[0]
+        return [*map(float, Rotation.from_rotvec(start).as_matrix().ravel())]
+
+    def angle_in_time(self, name: str) -> Amplitude | None:
+        """Its angle as a function of time with three components; None: it does not turn.
+
+        Args:
+            name: of the contact, for messages.
+        """
+        if self.angle is None:
+            return None
+        given = self.angle
+        what = f"angle of the rigid master of {name}"
+        if not is_in_time(given):
+            return Amplitude(lambda t: given, what, size=3)
+        return Amplitude(given, what, size=3)
+
     def orientation_hint(self) -> str:
         """What a user can change if the slave is on the wrong side of the obstacle."""
         place = "inside" if self._radius > 0.0 else "around"
@@ -137,9 +205,20 @@ class _Rigid(Fixed):
                 raise ValueError("the normal of a rigid plane on a plane mesh has a third component")
             if self._point[2] != 0.0:
                 raise ValueError("the rigid obstacle lies outside the plane of the mesh")
-        return _cpp.gap.Rigid(
+        made = _cpp.gap.Rigid(
             self._kind, gdim, [*map(float, self._point)], [*map(float, self._direction)], self._radius
         )
+        return self._turning(made, gdim)
+
+    def _turning(self, made: _cpp.gap.Rigid, gdim: int) -> _cpp.gap.Rigid:
+        """The obstacle on the C++ side with what it turns about."""
+        if self.angle is not None:
+            fixed_angle = None if is_in_time(self.angle) else self.angle
+            if gdim == 2 and (self.pivot[2] != 0.0 or (fixed_angle is not None and np.any(fixed_angle[:2]))):
+                raise ValueError("on a plane mesh a rigid obstacle turns about z, and its pivot lies in the plane")
+            made.centre = [*map(float, self.pivot)]
+            made.rotates = True
+        return made
 
 
 class RigidPlane(_Rigid):

@@ -40,7 +40,8 @@ class RigidSurface(_Rigid):
             raise TypeError("make a RigidSurface by from_function, from_facets or from_mesh")
         super().__init__("surface", np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.0)
         self._shape, self._gdim, self._hint = shape, gdim, hint
-        parts = b"".join(np.ascontiguousarray(n, dtype=float).tobytes() for n in numbers)
+        self._given = tuple(numbers)
+        parts = b"".join(np.ascontiguousarray(n, dtype=float).tobytes() for n in self._given)
         self._checksum = hashlib.blake2b(parts, digest_size=16).hexdigest()
 
     def _made_of(self) -> str:
@@ -48,7 +49,7 @@ class RigidSurface(_Rigid):
 
     def same_on_all_ranks(self) -> list[Any]:
         """The shape counts by its checksum."""
-        return [self._checksum, self.displacement, self.motion]
+        return [self._checksum, self.displacement, self.motion, self.angle, self.pivot]
 
     @classmethod
     def from_function(
@@ -189,13 +190,30 @@ class RigidSurface(_Rigid):
         _, first, facets = np.unique(numbers, return_index=True, return_inverse=True)
         return cls.from_facets(points.reshape(-1, gdim)[first], facets.reshape(numbers.shape))
 
+    def vertices(self) -> tuple[FloatArray, FloatArray] | None:
+        """Points of facets and areas that belong to them (lengths in the plane); None: it is no surface of facets.
+
+        Returns:
+            Points that belong to facets, (n, gdim) [L], and a share of the facets around each, (n) [L^2].
+        """
+        if not isinstance(self._shape, _cpp.gap.FacetShape):
+            return None
+        points, facets = self._given
+        sides = points[facets][:, 1:] - points[facets][:, :1]
+        if self._gdim == 2:
+            sizes = np.linalg.norm(sides[:, 0], axis=1)
+        else:
+            sizes = 0.5 * np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+        areas = np.bincount(facets.ravel(), np.repeat(sizes / self._gdim, self._gdim), len(points))
+        return points[areas > 0.0], areas[areas > 0.0]
+
     def orientation_hint(self) -> str:
         return self._hint
 
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         if gdim != self._gdim:
             raise ValueError(f"the rigid surface has {self._gdim} dimensions, the mesh {gdim}")
-        return _cpp.gap.Rigid(self._shape)
+        return self._turning(_cpp.gap.Rigid(self._shape), gdim)
 
 
 def _axes(normal: FloatArray) -> FloatArray:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from dolfinx.fem import DirichletBC
@@ -55,7 +55,11 @@ def contact_in_time(contact: BoundContact, functions: FunctionsOfTime) -> _cpp.p
     if contact.motion is not None:
         functions.add(contact.motion)
         start = contact.motion.sample(np.zeros(1))[0]
-    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.body)
+    turned = None if contact.motion is None else contact.pair.rigid_master.angle_in_time(contact.pair.name)
+    if turned is not None:
+        functions.add(turned)
+    angle = None if turned is None else turned.sample(np.zeros(1))[0]
+    return _cpp.problems.ContactInTime(contact._cpp_object, contact.pair.name, start, contact.body, angle)
 
 
 def contacts_in_time(contacts: Sequence[BoundContact], functions: FunctionsOfTime) -> list[_cpp.problems.ContactInTime]:
@@ -69,8 +73,10 @@ def contacts_in_time(contacts: Sequence[BoundContact], functions: FunctionsOfTim
         The C++ objects.
     """
     out = [contact_in_time(contact, functions) for contact in contacts]
-    for body in dict.fromkeys(c.pair.rigid_body for c in contacts):
-        for load in [] if body is None else body.loads():
+    bodies = list(dict.fromkeys(c.pair.rigid_body for c in contacts if c.pair.rigid_body is not None))
+    for body in bodies:  # the list grows by those that they meet
+        bodies += [other for other in body.met_bodies() if other not in bodies]
+        for load in body.loads():
             functions.add(load)
     return out
 
@@ -88,8 +94,34 @@ def implicit_contact(
         The C++ object, which has the master's displacement at the start.
     """
     right = in_cpp.contact_in_cpp(contact)
-    if not contact.pair.rigid:
-        return _cpp.problems.ImplicitContact(right, None, None)
+    if not contact.pair.rigid or contact.pair.rigid_body is not None:
+        return _cpp.problems.ImplicitContact(right, None, None, None)
     master = contact.pair.rigid_master
     functions.add(Amplitude(master.motion, f"motion of the rigid master of {contact.pair.name}", size=3))
-    return _cpp.problems.ImplicitContact(right, [float(d) for d in master.displacement], np.zeros(3))
+    turned = master.angle_in_time(contact.pair.name)
+    if turned is not None:
+        functions.add(turned)
+    return _cpp.problems.ImplicitContact(
+        right, [float(d) for d in master.displacement], np.zeros(3), None if turned is None else turned.sample([0.0])[0]
+    )
+
+
+def implicit_bodies(
+    problem: Any, contacts: Sequence[LagrangeContact | QuadraturePenalty | TieContact], functions: FunctionsOfTime
+) -> list[_cpp.problems.ImplicitBodyInTime]:
+    """Rigid bodies of an implicit problem.
+
+    Args:
+        problem: the problem.
+        contacts: its contacts.
+        functions: receives the loads on rigid bodies.
+
+    Returns:
+        The C++ objects.
+    """
+    out = []
+    for body in dict.fromkeys(c.pair.rigid_body for c in contacts if c.pair.rigid_body is not None):
+        for load in body.loads():
+            functions.add(load)
+        out.append(body.bind_implicit(problem))
+    return out

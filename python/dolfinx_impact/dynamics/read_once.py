@@ -35,8 +35,8 @@ class ReadOnce(Described):
     def __init__(self, supports: _Supports, contacts: Sequence[_OfPair]) -> None:
         self._supports = supports
         masters = [(c.pair.name, c.pair.rigid_master) for c in contacts if c.pair.rigid]
-        self._masters: list[tuple[str, _Rigid, FloatArray, Any]] = [
-            (name, master, master.displacement, master.motion) for name, master in masters
+        self._masters: list[tuple[str, _Rigid, FloatArray, Any, Any]] = [
+            (name, master, master.displacement, master.motion, master.angle) for name, master in masters
         ]
 
     def check(self) -> None:
@@ -47,11 +47,13 @@ class ReadOnce(Described):
             ValueError: one has.
         """
         self._supports.check()
-        for name, master, displacement, motion in self._masters:
+        for name, master, displacement, motion, angle in self._masters:
             moved = not np.array_equal(master.displacement, displacement)
-            if moved or master.motion is not motion:
+            turned = master.angle is not angle
+            if moved or turned or master.motion is not motion:
+                what = "displacement" if moved else "angle" if turned else "motion"
                 raise ValueError(
-                    f"{name}: the {'displacement' if moved else 'motion'} of the rigid master was changed after the "
+                    f"{name}: the {what} of the rigid master was changed after the "
                     "problem was made, which goes on with the old one. Give a `motion`, a function of time, before "
                     "the problem is made, or make another obstacle and problem"
                 )

@@ -32,7 +32,9 @@ class CompiledLaw(Fixed, Generic[Made]):
         TypeError: a field is no scalar function, a parameter is no number.
     """
 
-    def __init__(self, fields: Mapping[str, Function] | None, parameters: Mapping[str, float] | None, name: str) -> None:
+    def __init__(
+        self, fields: Mapping[str, Function] | None, parameters: Mapping[str, float] | None, name: str
+    ) -> None:
         self.name = name
         self.fields = dict(fields or {})
         for key, function in self.fields.items():

@@ -187,4 +187,3 @@ def _shapes(history: Mapping[str, tuple[int, ...] | str]) -> dict[str, tuple[int
         if shape != TANGENTIAL and not whole:
             raise ValueError(f"history {name!r} has shape {shape!r}: it must be (), (n,) or {TANGENTIAL!r}")
     return dict(history)
-

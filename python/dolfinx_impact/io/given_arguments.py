@@ -33,7 +33,6 @@ from .. import _cpp, compat
 from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
-from ..interface.friction_law import FrictionLaw
 from ..materials import Material
 
 LONG = 2000  # characters; the rest of a longer text is replaced by a checksum
@@ -204,10 +203,8 @@ class GivenArguments:
         else:
             found = [f"{tag}, {facets_with(self.mesh, pair.facet_tags, tag)}" for tag in pair.masters]
             self.table[f"{of}.master"] = "; ".join(found)
-        friction = pair.friction
-        self.table[f"{of}.friction"] = (
-            short(friction.identity(self.mesh.geometry.dim)) if isinstance(friction, FrictionLaw) else _text(friction)
-        )
+        law = getattr(pair.friction, "identity", None)  # of a coefficient that is a law
+        self.table[f"{of}.friction"] = short(law(self.mesh.geometry.dim)) if law else _text(pair.friction)
         for key in ("search_distance", "remove_penetration", "crease"):
             self.table[f"{of}.{key}"] = _text(getattr(pair, key))
         # In one entry with it, and only where gaps change: files that were written before have no entries of their own.

@@ -55,6 +55,7 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
                 "would have to flow alike; mesh the two parts together"
             )
         c.pair.refuse_rigid_body("steady rolling")
+        c.pair.refuse_angle("steady rolling does not turn a rigid master: give its surface a velocity")
     if any(c.pair.has_friction for c in contact):
         if any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
             raise ValueError("friction together with internal variables that flow with the material comes later")

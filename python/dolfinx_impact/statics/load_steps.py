@@ -11,8 +11,10 @@ from dolfinx.fem import FunctionSpace
 from mpi4py import MPI
 
 from .. import _cpp
+from ..amplitude import is_in_time
 from ..common.interrupts import Interrupts
 from ..common.messages import inform, warn
+from ..common.types import FloatArray
 from .progress import SolveProgress
 
 if TYPE_CHECKING:
@@ -126,9 +128,12 @@ class LoadedProblem(Protocol):
     Attributes:
         space: displacement space.
         recorders: recorders that write during a solve.
+        angles: rotation vectors of rigid masters that turn as prescribed, by number of the contact: at the present part
+            of a load step, and of the last solve, (3) [1].
     """
 
     space: FunctionSpace
+    angles: dict[int, tuple[FloatArray, FloatArray]]
     recorders: list[LoadStepRecorder]
 
     @property
@@ -207,6 +212,19 @@ def _begin(problem: LoadedProblem) -> Callable[[float], None]:
         if contact.pair.rigid:
             there = [float(value) for value in contact.pair.rigid_master.displacement]
             problem._cpp_object.move_obstacle(k, there)
+            if (contact.pair.rigid_master.angle is not None) != (k in problem.angles):
+                raise ValueError(
+                    f"{contact.pair.name}: give the rigid master its angle, (0, 0, 0) for a start, before the problem "
+                    "is made, and do not take it away"
+                )
+    for k, (angle, _) in problem.angles.items():
+        given = problem.contact[k].pair.rigid_master.angle
+        if is_in_time(given):
+            raise ValueError(
+                f"{problem.contact[k].pair.name}: the angle of the rigid master is a function of time: static problems "
+                "take a vector"
+            )
+        angle[:] = given
     for recorder in problem.recorders:
         recorder.begin()
 

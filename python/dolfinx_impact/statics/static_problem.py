@@ -31,7 +31,7 @@ from .material_body import history_of
 from .linear_solver import LIMITS, LinearSolver, make_room, petsc_options, warnings_on
 from ..io.mesh_check import check_cells
 from .load_steps import Limits, Report, SolveInCpp, run_steps
-from ..common.types import BoolArray, FilePath
+from ..common.types import BoolArray, FilePath, FloatArray
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
@@ -168,11 +168,20 @@ class StaticProblem(BodyResults):
         for load in self.loads:
             for constant, reached in load.ramps() if hasattr(load, "ramps") else ():
                 self._cpp_object.add_load(constant.value, reached)
+        #: rotation vectors of rigid masters that turn as prescribed, by number of the contact: at the present part of a
+        #: load step, and of the last solve
+        self.angles: dict[int, tuple[FloatArray, FloatArray]] = {}
+        for k, c in enumerate(self.contact):
+            if c.pair.rigid and c.pair.rigid_body is None and c.pair.rigid_master.angle is not None:
+                self.angles[k] = np.zeros(3), np.zeros(3)
+                self._cpp_object.turn_obstacle(k, *self.angles[k])
         for body in dict.fromkeys(c.pair.rigid_body for c in self.contact):
             if body is not None:
                 bound = body.bind_static(self)
                 self._cpp_object.add_load(bound.force, bound.reached)
-                self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force)
+                if not all(bound.fixed[3:]):
+                    self._cpp_object.add_load(bound.torque, bound.reached_torque)
+                self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force, bound.torque)
         self.linear_solver: LinearSolver = LinearSolver.of(self.equilibrium.linear_solver)
         self._restart = StaticRestart(self)
 
@@ -385,5 +394,7 @@ class StaticProblem(BodyResults):
             "loads": [load.constant.value for load in self.loads if hasattr(load, "constant")],
             "bcs": [arguments.value_of(bc) for bc in self.bcs],
             "forces on rigid bodies": [c.pair.rigid_body.external_force for c in self.contact if c.pair.rigid_body],
+            "torques on rigid bodies": [c.pair.rigid_body.external_torque for c in self.contact if c.pair.rigid_body],
+            "angles of the masters": [c.pair.rigid_master.angle for c in self.contact if c.pair.rigid],
             "displacement of the masters": [c.pair.rigid_master.displacement for c in self.contact if c.pair.rigid],
         }

@@ -17,7 +17,7 @@ from collections.abc import Collection, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import TypeAlias, Union
+from typing import Any, TypeAlias, Union
 
 import numpy as np
 import ufl
@@ -28,7 +28,7 @@ from mpi4py import MPI
 from dolfinx_impact import compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
-from dolfinx_impact.contact import ContactPair, Kinematic, Penalty
+from dolfinx_impact.contact import ContactPair, GeneralContact, Kinematic, Penalty
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.loads import Traction
@@ -202,9 +202,10 @@ class Blocks:
         layers: number of cells through the thickness.
         contact: class of the contact; None for no contact.
         friction: Coulomb's friction coefficient [1].
+        options: further arguments of the contact.
     """
 
-    def __init__(self, n: int, layers: int, contact: ContactClass | None = None, friction: float = 0.0) -> None:
+    def __init__(self, n: int, layers: int, contact: Any = None, friction: float = 0.0, **options: Any) -> None:
         height = layers / n
         model = meshes.make(
             "two_blocks", MPI.COMM_SELF, cell="hexahedron", gap=1e-4 / n, lower=(1.1, 1.1, height),
@@ -222,9 +223,13 @@ class Blocks:
         self.num_cells: int = model.mesh.topology.index_map(3).size_local
         self.num_nodes: int = V.dofmap.index_map.size_local
         self.num_slaves = (n + 1) ** 2
+        contacts: list[Any] = []
+        if contact is not None:
+            general = issubclass(contact, GeneralContact)
+            contacts = [contact(tags, friction=friction) if general else contact(pair, **options)]
         self.problem = ExplicitProblem(
             fem.Function(V), law, velocity=velocity, bcs=bcs, loads=[Traction(tags, tag["top"], (0.0, 0.0, -2.0))],
-            contact=[] if contact is None else [contact(pair)],
+            contact=contacts,
         )  # fmt: skip
 
 
@@ -292,6 +297,36 @@ def contact_rows(
                             100 if friction else 50))  # fmt: skip
             if what == "cost":
                 rows.append(row(f"  {name}: nodes that touch", label, 1, float(np.mean(touching)), "", 1.0))
+    return rows
+
+
+def general_rows(cost: tuple[int, int] = COST_BLOCKS, steps: int = 25, rounds: int = 8) -> list[Row]:
+    """Measure contact without pairs against a balanced pair of the surfaces that meet, in alternating rounds.
+
+    All outer facets of both blocks belong to the one, a third of whose nodes touch; the other one has the nodes of the
+    two faces. Times include searches and are medians.
+
+    Args:
+        cost: cells along the interface and through the thickness of the blocks.
+        steps: number of steps per round.
+        rounds: number of rounds.
+
+    Returns:
+        Rows: cost per node of the surface and step, without and with friction; and the nodes that touch.
+    """
+    rows = []
+    for name, friction in (("", 0.0), (", friction", 0.3)):
+        general = Blocks(*cost, GeneralContact, friction)
+        pair = Blocks(*cost, Penalty, friction, balanced=True)
+        num_nodes, num_paired = len(general.problem.contact[0].nodes), 2 * pair.num_slaves
+        times = [[contact_seconds(model.problem, steps)[0] for model in (general, pair)] for _ in range(rounds + 1)]
+        ours, theirs = np.median(times[1:], axis=0)
+        label = f"{num_nodes} of {general.num_nodes} nodes"
+        unit = "ns/surface node/step"
+        rows.append(row(f"contact without pairs{name} / balanced pair", label, 1, 1e9 * ours / num_nodes, unit,
+                        1e9 * theirs / num_paired))  # fmt: skip
+        touching = float(np.sum(general.problem.contact[0].status > 0))
+        rows.append(row(f"  without pairs{name}: nodes that touch", label, 1, touching / num_nodes, "", 1.0))
     return rows
 
 
@@ -455,6 +490,7 @@ def jobs(large: bool = False, ranks: int = 0) -> list[Job]:
     neo_hookean = partial(step_rows, law=materials.NeoHookean, baselines=("A",))
     out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in FINITE]
     out.append(("explicit contact", partial(contact_rows, rounds=(7, 25) if large else (5, 12))))
+    out.append(("explicit contact without pairs", partial(general_rows, rounds=20 if large else 8)))
     out += [("explicit output", partial(output_rows, n)) for n in ((48, 20) if large else (20,))]
     out.append(("explicit memory", partial(memory_rows, 64 if large else 40)))
     return out + ([(f"explicit steps on {ranks} ranks", partial(rank_rows, ranks))] if ranks > 1 else [])

@@ -14,7 +14,7 @@ from mpi4py import MPI
 
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from dolfinx_impact import meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
-from dolfinx_impact.contact import ContactPair
+from dolfinx_impact.contact import ContactPair, Tie
 from dolfinx_impact.io.run_folder import vertex_average
 from dolfinx_impact.foundation import Foundation
 from dolfinx_impact.loads import BodyForce, Traction
@@ -52,6 +52,7 @@ class JointModel:
         bcs: supports of all stages.
         press: load of the suspension on the wheel.
         track: pads below the rails.
+        ties: what holds parts with meshes of their own.
     """
 
     def __repr__(self) -> str:
@@ -66,7 +67,7 @@ class JointModel:
             bar_length=data.bar_length, bar=data.bar, glue=data.glue, h=data.cell_size, coarse=data.largest_cells,
             path=(data.begin, data.end), margin=MARGIN * data.hertz.a, symmetry="none" if data.whole else "half",
             wheel_x=data.begin, wheel_radius=data.wheel_radius,
-            wheel_width=WHEEL_WIDTH, cone=data.cone, fillet=data.fillet,
+            wheel_width=WHEEL_WIDTH, cone=data.cone, fillet=data.fillet, tied=data.tied, tied_size=data.tied_size,
         )  # fmt: skip
         self.mesh, self.facet_tags, self.tags = made.mesh, made.facet_tags, made.tags
         self.num_cells = self.mesh.topology.index_map(3).size_global
@@ -79,6 +80,7 @@ class JointModel:
         area = comm.allreduce(fem.assemble_scalar(ffcx_form(fem.Constant(self.mesh, np.float64(1.0)) * hub)), MPI.SUM)
         self.press = Traction(self.facet_tags, self.tags["hub"], (0.0, 0.0, -data.load / data.sides / area))
         self.track = self._track()
+        self.ties = self._ties()
 
     def _near_path(self, middles: FloatArray) -> BoolArray:
         """Mask of midpoints of cells, (n, 3), above and below the running surface near the path."""
@@ -143,6 +145,14 @@ class JointModel:
         """The bore is held: a wheel that is lifted off."""
         dofs = fem.locate_dofs_topological(self.V, 2, self.facet_tags.find(self.tags["hub"]))
         return [fem.dirichletbc(np.zeros(3, dtype=default_scalar_type), dofs, self.V)]
+
+    def _ties(self) -> list[Tie]:
+        """Ties of the parts that are meshed apart: the softer ones, of larger cells, are slaves."""
+        bars = ("bars", "bar_face", "web")
+        posts = [("end post left", "post_left", "joint_left"), ("end post right", "post_right", "joint_right")]
+        sides = {"none": [], "bars": [bars], "all": [bars, *posts]}[self.data.tied]
+        tags = self.tags
+        return [Tie(ContactPair(self.facet_tags, tags[s], tags[m], name=name)) for name, s, m in sides]
 
     def _track(self) -> Foundation:
         """Pads below the foot at the sleepers, or the same stiffness spread along the rail."""

@@ -101,6 +101,10 @@ class RailJoint(Parameters):
     penalty: float = parameter(
         0.0, "Pa/m", "of the contact in the explicit run, 0: as stiff as the time step allows", 1e6, 1e18, zero=True
     )
+    tied: Literal["none", "bars", "all"] = parameter(
+        "none", "", "parts meshed apart and tied: none, bars (with their glue), all (the end post, too)"
+    )
+    tied_size: float = parameter(1.5, "1", "size of the cells of tied parts over that of the rails' beside", 0.25, 4.0)
     smooth: bool = parameter(False, "", "whether the contact sees round surfaces instead of facets")
 
     def _check_together(self) -> None:

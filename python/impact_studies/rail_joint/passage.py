@@ -193,7 +193,7 @@ class Passage:
         model = self.model
         static = StaticProblem(
             self.u, model.material, bcs=[*model.bcs, *model.upright()],
-            loads=[model.press, model.track, model.centrifugal()], contact=[contact],
+            loads=[model.press, model.track, model.centrifugal()], contact=[contact, *model.ties],
         )  # fmt: skip
         self._give_history(static)
         return static
@@ -234,7 +234,7 @@ class Passage:
         data = model.data
         # The wheel loads the springs for the whole passage: softer ones would smooth the impact.
         contact = Penalty(model.pair(data.friction), penalty=data.penalty or "step", balanced=False)
-        return {"bcs": model.bcs, "loads": [model.press, model.track], "contact": [contact]}
+        return {"bcs": model.bcs, "loads": [model.press, model.track], "contact": [contact, *model.ties]}
 
     def start(self, static: StaticProblem) -> ExplicitProblem:
         """The explicit problem in the state of steady rolling under the static load. Collective.
@@ -443,7 +443,8 @@ class Passage:
             u.x.array.reshape(-1, 3)[wheel] = 0.0  # lifted off, without load
         else:
             u.x.array[:] = self._unloaded  # a passage adds little to what the passages before have left
-        static = StaticProblem(u, model.material, bcs=[*model.bcs, *model.parked()], loads=[model.track])
+        bcs = [*model.bcs, *model.parked()]
+        static = StaticProblem(u, model.material, bcs=bcs, loads=[model.track], contact=model.ties)
         if self.yields:
             self._history = {name: run.history[name].values.copy() for name in run.history}
             self._give_history(static)

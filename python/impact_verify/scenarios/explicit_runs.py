@@ -11,6 +11,7 @@ from dolfinx.mesh import Mesh
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.own_forms import distorted_block
 from ..contact_bodies import SLAVE, two_bodies
+from .general_runs import touching
 from .placed_bodies import (
     GAP,
     at_rest,
@@ -358,6 +359,10 @@ RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("quadrilateral", 1, rigid),
     ("quadrilateral", 1, rigid_ball),
     ("hexahedron", 1, rigid_ball),
+    ("quadrilateral", 1, touching),
+    ("triangle", 1, touching),
+    ("hexahedron", 1, touching),
+    ("tetrahedron", 1, touching),
     ("quadrilateral", 1, without_contact),
     ("triangle", 2, without_contact),
     ("hexahedron", 1, without_contact),

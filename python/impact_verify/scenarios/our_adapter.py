@@ -59,6 +59,8 @@ def _contacts(case: Scenario) -> list[Any]:
     body, motion = case.body, case.obstacle
     if body.rigid and not isinstance(body.rigid[0], contact.RigidBody):
         body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
+    if case.contact == "general":
+        return [contact.GeneralContact(body.tags, friction=body.friction)]
     if isinstance(case.scheme, Explicit):
         kind = contact.Penalty if case.contact == "penalty" else contact.Kinematic
         return [kind(body.pair(everywhere=False, smooth=case.smooth or False), **case.options)]
@@ -150,5 +152,7 @@ def record_of(problem: Problem, dt: float, steps: int, error: float | None = Non
     if isinstance(problem, ExplicitProblem):
         time = dt * np.arange(len(time))
     energies: dict[str, FloatArray] = dict(zip(ENERGIES, problem.energy_history[:, 1:].T))
-    force = problem.force_history[0] if problem.contact else None
+    # Forces of contact without pairs add up to zero.
+    paired = problem.contact and isinstance(problem.contact[0].pair, contact.ContactPair)
+    force = problem.force_history[0] if paired else None
     return Record(time, dict(zip(names, fields)), energies, largest(energies), force)

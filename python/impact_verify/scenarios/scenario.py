@@ -85,7 +85,7 @@ class Scenario:
         body: bodies of both sides.
         velocity: initial velocity as a function of the positions of our nodes [L/T].
         scheme: how time is stepped.
-        contact: "penalty", "kinematic" (explicit), "lagrange" (implicit) or "" for no contact.
+        contact: "penalty", "kinematic", "general" (explicit), "lagrange" (implicit) or "" for no contact.
         options: keyword arguments of an explicit contact.
         fixed_nodes: our nodes with prescribed displacements.
         motion: displacement of these nodes along the last axis as a function of time; None for zero [L].

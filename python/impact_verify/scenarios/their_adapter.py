@@ -14,6 +14,7 @@ from impact_reference.array_types import TimeValues
 from dolfinx_impact.common.types import FloatArray, IntArray
 from dolfinx_impact.dynamics.run_history import ENERGIES
 from ..contact_bodies import MASTER, SLAVE, rule
+from .general_runs import OUTSIDE
 from .record import Record, largest
 from .scenario import PENALTY, TANGENTIAL, Explicit, Implicit, Scenario
 
@@ -30,7 +31,7 @@ def run(case: Scenario, time: FloatArray) -> Record:
     """
     if isinstance(case.scheme, Explicit):
         steps = len(time) - 1
-        return _explicit_record(_run_explicit(case, case.scheme, float(time[1]), steps), case.body.order, steps)
+        return _explicit_record(explicit_result(case, case.scheme, float(time[1]), steps), case.body.order, steps)
     return implicit_record(_run_implicit(case, case.scheme, time), case.body.order)
 
 
@@ -53,7 +54,18 @@ def _along_last_axis(case: Scenario) -> FloatArray:
     return (case.fixed_dofs % gdim == gdim - 1).astype(float)
 
 
-def _run_explicit(case: Scenario, scheme: Explicit, dt: float, steps: int) -> ExplicitResult:
+def explicit_result(case: Scenario, scheme: Explicit, dt: float, steps: int) -> ExplicitResult:
+    """Make an explicit run.
+
+    Args:
+        case: scenario.
+        scheme: its scheme.
+        dt: time step [T].
+        steps: number of steps.
+
+    Returns:
+        Result of the hand-written solver, in its own order of nodes.
+    """
     body, motion = case.body, case.motion
     values: TimeValues = 0.0
     if motion is not None:
@@ -70,6 +82,8 @@ def _nodal_contacts(case: Scenario, dt: float) -> list[Any]:
     if not case.contact:
         return []
     body = case.body
+    if case.contact == "general":
+        return [impact_reference.GeneralContact(body.their_facets(body.tags, OUTSIDE), body.friction)]
     kind = impact_reference.NodalPenalty if case.contact == "penalty" else impact_reference.NodalKinematic
     slave = body.their_facets(body.tags, SLAVE)
     options = {**case.options, **body.adjustment}
@@ -92,7 +106,8 @@ def _explicit_record(result: ExplicitResult, order: IntArray, steps: int) -> Rec
     """Energies and forces are known one step later than states: those of the last level are left out, as on our
     side."""
     energies = {name: result.energies[name][:steps] for name in ENERGIES}
-    force = result.contacts[0].total[:steps] if result.contacts else None
+    paired = result.contacts and np.any(result.contacts[0].total)
+    force = result.contacts[0].total[:steps] if paired else None
     fields = {"displacement": result.u[:, order], "velocity": result.v[:, order]}
     return Record(np.arange(steps + 1.0), fields, energies, largest(result.energies), force)
 

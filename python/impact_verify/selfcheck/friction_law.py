@@ -90,8 +90,12 @@ def derivative(subject: FrictionSubject) -> Found:
         subject: the law.
     """
     whole, worst = subject.evaluate(), 0.0
-    for name, size, width in (("pressure", subject.pressure, 1), ("slip_rate", subject.velocity, subject.gdim)):
-        given = np.asarray(getattr(whole, f"by_{name}"))
+    inputs = (
+        ("pressure", whole.by_pressure, subject.pressure, 1),
+        ("slip_rate", whole.by_slip_rate, subject.velocity, subject.gdim),
+    )
+    for name, found, size, width in inputs:
+        given = np.asarray(found)
         rows = given.reshape(POINTS, width) if given.size else np.zeros((POINTS, width))
         slopes, kinks = np.zeros((POINTS, width)), np.zeros((POINTS, width), dtype=bool)
         for c in range(width):

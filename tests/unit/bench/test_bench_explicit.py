@@ -47,6 +47,13 @@ def test_rows_of_contact():
     assert len(touching) == 4 and min(touching) > 0  # pressed together: contact works in every one
 
 
+def test_rows_of_contact_without_pairs():
+    rows = bench_explicit.general_rows((6, 2), steps=10, rounds=1)
+    assert len(rows) == 4 and all(r["cell"] == "244 of 294 nodes" for r in rows), rows
+    assert all(r["value"] > 0.0 and r["ratio"] == pytest.approx(r["value"] / r["baseline"]) for r in rows)
+    assert all(0.1 < r["value"] < 1.0 for r in rows if "touch" in r["name"])
+
+
 def test_contact_has_a_clock_of_its_own():
     """It runs when there is contact only, and tells what contact adds to a step, by a factor of two."""
     free, touching = bench_explicit.Blocks(12, 1), bench_explicit.Blocks(12, 1, bench_explicit.Kinematic)

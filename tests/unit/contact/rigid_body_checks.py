@@ -108,8 +108,8 @@ def check_a_driven_body_is_an_obstacle():
         np.testing.assert_allclose(one.energy["external"], other.energy["external"], rtol=1e-8)
 
 
-def check_a_disc_in_a_groove():
-    """Two contacts of one body: a disc falls into a groove with walls of 45 degrees, without friction."""
+def groove():
+    """A block with a groove between walls of 45 degrees: space, tags of the walls (1: left, 2: right), support."""
     n = 8
     domain = mesh.create_rectangle(COMM, [[-1.0, 0.0], [1.0, 1.0]], [2 * n, n], mesh.CellType.quadrilateral)
     x = domain.geometry.x
@@ -126,6 +126,12 @@ def check_a_disc_in_a_groove():
     tagged = mesh.meshtags(domain, 1, facets[order], tags[order])
     bottom = mesh.locate_entities_boundary(domain, 1, lambda p: np.isclose(p[1], 0.0))
     held = fem.dirichletbc(np.zeros(2), fem.locate_dofs_topological(V, 1, bottom), V)
+    return V, tagged, held
+
+
+def check_a_disc_in_a_groove():
+    """Two contacts of one body: a disc falls into a groove with walls of 45 degrees, without friction."""
+    V, tagged, held = groove()
     radius, mass, weight = 0.6, 1.5, 3.0
     center = (0.0, 1.0 + np.sqrt(2.0) * radius + 1e-4)
     body = di.RigidBody(

@@ -4,6 +4,8 @@
 import numpy as np
 import pytest
 import rigid_body_checks
+import rigid_meeting_checks
+import rigid_motion_checks
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from on_ranks import rank_tests
@@ -13,6 +15,8 @@ import dolfinx_impact as di
 from dolfinx_impact.contact.rigid_body import StaticBody
 
 test_one_rank, test_several_ranks = rank_tests(rigid_body_checks, ranks=(2, 3))
+test_meetings_on_one_rank, test_meetings_on_two_ranks = rank_tests(rigid_meeting_checks, ranks=(2,))
+test_motion_on_one_rank, test_motion_on_two_ranks = rank_tests(rigid_motion_checks, ranks=(2,))
 
 SELF = MPI.COMM_SELF
 PLANE = di.RigidPlane((0, 0, 0), (0, 0, 1))
@@ -164,9 +168,9 @@ def test_what_is_refused():
     pair = di.ContactPair(tags, 1, ball(2))
     with pytest.raises(ValueError, match="does not move a RigidBody"):
         di.ExplicitProblem(fem.Function(V), law, contact=[di.Kinematic(pair)])
-    for contact in (di.Penalty(pair), di.Lagrange(pair)):
-        with pytest.raises(ValueError, match="does not move a RigidBody"):
-            di.NewmarkProblem(fem.Function(V), law, contact=[contact])
+    for kind in (di.NewmarkProblem, di.StaticProblem):
+        with pytest.raises(ValueError, match="multipliers do not rotate a RigidBody"):
+            kind(fem.Function(V), law, contact=[di.Lagrange(pair)])
     for body, text in (
         (di.RigidBody(di.RigidCylinder((0.5, 2.0), 0.5)), "needs a mass"),
         (di.RigidBody(di.RigidCylinder((0.5, 2.0), 0.5), fixed=("x",)), "needs a mass"),
@@ -174,7 +178,7 @@ def test_what_is_refused():
         with pytest.raises(ValueError, match=text):
             di.ExplicitProblem(fem.Function(V), law, contact=[di.Penalty(di.ContactPair(tags, 1, body))])
     for body, text in (
-        (ball(2), "static problems do not rotate a RigidBody"),
+        (di.RigidBody(di.RigidCylinder((0.5, 2.0), 0.5), torque=lambda t: (0, 0, t)), "torque .* function of time"),
         (di.RigidBody(di.RigidCylinder((0.5, 2.0), 0.5), velocity=(0, 1)), "has no velocity"),
         (di.RigidBody(di.RigidCylinder((0.5, 2.0), 0.5), force=lambda t: (0, t, 0)), "is a function of time"),
     ):
@@ -202,10 +206,60 @@ def test_what_is_refused():
     moved.motion = lambda t: (0.0, 0.0, t)
     with pytest.raises(ValueError, match="has a motion"):
         di.RigidBody(moved, mass=1.0)
-    for name, value in (("displacement", (0, 0, 1)), ("motion", lambda t: (0, 0, t)), ("velocity", (0, 0, 1))):
-        with pytest.raises((AttributeError, ValueError), match="moves by forces|is a result"):
+    turned = di.RigidSphere((0, 0, 0), 1.0)
+    turned.angle = (0.0, 0.0, 0.1)
+    with pytest.raises(ValueError, match="has an angle"):
+        di.RigidBody(turned, mass=1.0)
+    for name, value in (
+        ("displacement", (0, 0, 1)), ("motion", lambda t: (0, 0, t)), ("velocity", (0, 0, 1)), ("angle", (0, 0, 1)),
+    ):  # fmt: skip
+        with pytest.raises((AttributeError, ValueError), match="moves by forces|is a result|turns by torques"):
             setattr(ball(3), name, value)
     lone = di.RigidBody(di.RigidSphere((0, 0, 0), 1.0), mass=1.0)
     with pytest.raises(RuntimeError, match="belongs to no problem"):
         lone.velocity  # noqa: B018
     assert "mass=1" in repr(lone) and lone.centre.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_where_obstacles_do_not_turn():
+    """Methods and problems that refuse an angle, or one of a wrong kind, with a sentence."""
+    V, tags = block(SELF, 2)
+    law = di.LinearElastic(100.0, 0.3, 1.0, "plane_strain")
+
+    def pair(angle=(0.0, 0.0, 0.1), pivot=None):
+        shape = di.RigidCylinder((0.5, 2.0), 0.5)
+        shape.angle = angle
+        if pivot is not None:
+            shape.pivot = pivot
+        return di.ContactPair(tags, 1, shape)
+
+    with pytest.raises(ValueError, match="kinematic contact does not turn a rigid master"):
+        di.ExplicitProblem(fem.Function(V), law, contact=[di.Kinematic(pair())])
+    for kind in (di.NewmarkProblem, di.StaticProblem):
+        with pytest.raises(ValueError, match="multipliers do not turn a rigid master"):
+            kind(fem.Function(V), law, contact=[di.Lagrange(pair())])
+    with pytest.raises(ValueError, match="turns about z"):
+        di.StaticProblem(fem.Function(V), law, contact=[di.Penalty(pair((0.1, 0.0, 0.0)))])
+    with pytest.raises(ValueError, match="turns about z"):
+        di.StaticProblem(fem.Function(V), law, contact=[di.Penalty(pair(0.1, (0.0, 0.0, 1.0)))])
+    flat = di.LinearElastic(100.0, 0.3, 1.0, "axisymmetric")
+    for kind in (di.NewmarkProblem, di.StaticProblem, di.ExplicitProblem):
+        with pytest.raises(ValueError, match="axisymmetric problem does not turn"):
+            kind(fem.Function(V), flat, contact=[di.Penalty(pair())])
+    in_time = pair(lambda t: (0.0, 0.0, t))
+    problem = di.StaticProblem(fem.Function(V), law, contact=[di.Penalty(in_time)])
+    with pytest.raises(ValueError, match="is a function of time"):
+        problem.solve()
+    late = di.ContactPair(tags, 1, di.RigidCylinder((0.5, 2.0), 0.5))
+    problem = di.StaticProblem(fem.Function(V), law, contact=[di.Penalty(late)])
+    late.master.angle = 0.1
+    with pytest.raises(ValueError, match="give the rigid master its angle"):
+        problem.solve()
+    with pytest.raises(ValueError, match="steady rolling does not turn"):
+        pair().refuse_angle("steady rolling does not turn a rigid master")
+    running = di.ExplicitProblem(fem.Function(V), law, contact=[di.Penalty(in_time)])
+    in_time.master.angle = lambda t: (0.0, 0.0, 2.0 * t)
+    with pytest.raises(ValueError, match="the angle of the rigid master was changed"):
+        running.advance(1e-3, progress=False)
+    assert "angle=..." in repr(in_time.master) and in_time.master.turns_in(running)
+    np.testing.assert_allclose(pair().master.rotation_at_start("a")[:2], (np.cos(0.1), -np.sin(0.1)))

@@ -9,7 +9,10 @@ import ufl
 from blocks import Blocks
 from dolfinx import fem, mesh
 from dolfinx_impact import interface
+from dolfinx_impact.forms.friction import FrictionForm
+from dolfinx_impact.interface.compiled_law import CompiledLaw
 from mpi4py import MPI
+from impact_verify.selfcheck.friction_law import FrictionSubject
 from on_ranks import rank_tests
 
 test_one_rank, test_several_ranks = rank_tests(friction_checks)
@@ -45,6 +48,10 @@ def test_the_kernel_is_the_expression():
          "normal": np.array([0.0, 1.0, 0.0, 1.0])}
     )  # fmt: skip
     assert found.value == pytest.approx([0.4 / 6.0, 0.4 / np.e / (1 + 1e-4)], rel=1e-9)
+    assert law.compiled(2, MPI.COMM_SELF).has_rates and LAWS["pressure"]().compiled(2, MPI.COMM_SELF).has_pressure
+    assert isinstance(law, CompiledLaw) and set(FrictionForm(law, 2, (), ("mu",)).point_law.outputs) == {
+        "coefficient", "derivative by pressure", "derivative by slip_rate"
+    }  # fmt: skip
     assert found.by_pressure == pytest.approx(-found.value / 3, rel=1e-12)
     law.set(mu=0.8)
     assert law.parameters == {"mu": 0.8}
@@ -87,6 +94,12 @@ def test_refusals():
     warm = di.FrictionLaw(lambda fields: 0.01 * fields.T_slave, fields={"T": field})
     with pytest.raises(ValueError, match="degree of the displacement"):
         di.StaticProblem(blocks.u, friction_checks.steel(2), contact=[di.Lagrange(blocks.pair(friction=warm))])
+
+
+def test_points_of_the_self_check():
+    subject = FrictionSubject(LAWS["falling"](), 3, pressure=2.0, velocity=0.1)
+    along = np.sum(subject.values["slip_rate"] * subject.values["normal"], axis=1)
+    assert np.abs(along).max() < 1e-15 and np.asarray(subject.evaluate().value).shape == along.shape
 
 
 def test_a_plain_function_is_a_law():

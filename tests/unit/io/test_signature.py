@@ -125,6 +125,12 @@ class Made:
             return b.master_surface
         if name is di.RigidSurface:
             return wavy(self.changes["surface"])
+        if name is di.RigidBody:
+            return self.of(
+                di.RigidBody, surface=di.RigidCylinder((0.7, -9.5), 10.0), mass=50.0, inertia=2e3, centre=(0.7, -9.0),
+                velocity=(0.0, 0.1), spin=0.01, force=lambda t: (0.0, 1.0, 0.0), torque=lambda t: (0.0, 0.0, t),
+                fixed=("x",),
+            )  # fmt: skip
         given = {
             di.RigidPlane: {"point": (0.0, 0.49), "normal": (0.0, 1.0)},
             di.RigidSphere: {"center": (0.7, -9.5), "radius": 10.0},
@@ -132,19 +138,25 @@ class Made:
         }[name]  # fmt: skip
         made = self.of(name, **given)
         made.motion, made.displacement = self.changes.get("motion"), self.changes.get("displacement", (0.0, 0.0))
+        made.angle = self.changes.get("angle")
+        if "pivot" in self.changes:
+            made.pivot = self.changes["pivot"]
         return made
 
     def problem(self):
-        b = body()
+        b, contact = body(), self.changes.get("contact", self.chosen.get("contact", di.Penalty))
+        if self.changes.get("exact"):
+            contact = di.Kinematic if self.integrator is EXPLICIT else di.Lagrange
         pair = self.of(
-            di.ContactPair, facet_tags=b.facets, slave=b.slave_surface, master=self.master(), friction=0.3,
-            search_distance=0.9, smooth=self.changes.get("smooth", False),
+            di.ContactPair, facet_tags=b.facets, slave=b.slave_surface, master=self.master(),
+            friction=0.0 if contact is di.Tie else 0.3, search_distance=0.9, smooth=self.changes.get("smooth", False),
         )  # fmt: skip
-        exact = di.Kinematic if self.integrator is EXPLICIT else di.Lagrange
-        contact = exact if self.changes.get("exact") else self.chosen.get("contact", di.Penalty)
         u, velocity = fem.Function(b.V), fem.Function(b.V)
         velocity.x.array.reshape(-1, 2)[:, 1] = -0.5
-        given = {"u": u, "velocity": velocity, "contact": [self.of(contact, pair=pair)]}
+        surfaces = {"pair": pair}
+        if contact is di.GeneralContact:
+            surfaces = {"facet_tags": b.facets, "tags": (b.slave_surface, b.master_surface, b.top), "friction": 0.3}
+        given = {"u": u, "velocity": velocity, "contact": [self.of(contact, **surfaces)]}
         given |= {"bcs": [self.of(di.PrescribedMotion, bc=b.held[0], amplitude=lambda t: t)]}
         if self.chosen.get("residual"):
             one, which = self.changes.get("form", (1.0, 0))
@@ -223,16 +235,30 @@ ROWS = {
         "quadrature_degree": 3, "balanced": True, "max_augmentations": 9, "law": ELSEWHERE,
     }),
     di.Kinematic: ({"contact": di.Kinematic}, {"pair": ELSEWHERE, "sweeps": 2}),
+    di.Tie: ({"contact": di.Tie}, {
+        "pair": ELSEWHERE, "directions": "normal", "partial": True, "quadrature_degree": 3, "basis": "standard",
+    }),
+    di.GeneralContact: ({"contact": di.GeneralContact}, {
+        "facet_tags": lambda b: b.fewer_below, "tags": lambda b: (b.slave_surface, b.master_surface), "friction": 0.2,
+        "name": NO_MATTER,
+    }),
     di.RigidPlane: ({"master": di.RigidPlane}, {"point": (0.0, 0.48), "normal": (0.01, 1.0)}),
     di.RigidSphere: ({"master": di.RigidSphere}, {"center": (0.8, -9.5), "radius": 9.9}),
     di.RigidCylinder: ({"master": di.RigidCylinder}, {"center": (0.8, -9.5), "radius": 9.9, "axis": (0.0, 0.0, -1.0)}),
+    di.RigidBody: ({"master": di.RigidBody}, {
+        "surface": di.RigidCylinder((0.7, -9.6), 10.1), "mass": 51.0, "inertia": 2.1e3, "centre": (0.7, -9.1),
+        "velocity": (0.0, 0.2), "spin": 0.02, "force": lambda t: (0.0, 1.0 + t, 0.0), "torque": None,
+        "fixed": ("y",), "meets": di.RigidPlane((0.0, -30.0), (0.0, 1.0)), "friction": ELSEWHERE,
+    }),
     di.PrescribedMotion: ({}, {"bc": lambda b: b.held[1], "amplitude": lambda t: 2.0 * t}),
 }  # fmt: skip
 WORDS = {"beta": "beta|scheme", "gamma": "scheme", "rho_inf": "scheme", "hht": "scheme", "bcs": "supports|functions of",
          "bc": "supports", "facet_tags": "facet_tags|slave|tag", "cell_tags": "cells", "mass_scaling": "mass",
          "amplitude": "functions of time", "density": "density", "mass": "mass",
          "normal": "master.normal", "clearance": "remove_penetration", "offset": "remove_penetration",
-         "adjust": "remove_penetration"}  # fmt: skip
+         "adjust": "remove_penetration", "surface": "master", "inertia": "master", "centre": "master",
+         "velocity": "master", "spin": "master", "force": "functions of time",
+         "torque": "functions of time"}  # fmt: skip
 # Further changes, of functions, forms, motions, laws of one's own: (parts, first, then, words).
 MORE = {
     "an amplitude that is left out": ({}, {}, {di.BodyForce: {"amplitude": None}}, "loads.0..amplitude"),
@@ -256,8 +282,23 @@ MORE = {
     "the place of an obstacle": (
         {"master": di.RigidPlane}, {}, {"displacement": (0.0, 0.001)}, "contact.0..pair.master",
     ),
+    "the angle of an obstacle": (
+        {"master": di.RigidCylinder}, {}, {"angle": lambda t: (0.0, 0.0, t)}, "contact.0..pair.master",
+    ),
+    "how fast an obstacle turns": (
+        {"master": di.RigidCylinder}, {"angle": lambda t: (0.0, 0.0, t)}, {"angle": lambda t: (0.0, 0.0, 2.0 * t)},
+        "functions of time",
+    ),
+    "where an obstacle turns": (
+        {"master": di.RigidCylinder}, {"angle": (0.0, 0.0, 0.0)}, {"angle": (0.0, 0.0, 0.0), "pivot": (0.7, -9.4)},
+        "contact.0..pair.master",
+    ),
     "normals of a smooth surface": ({}, {"smooth": normals(0.0)}, {"smooth": normals(0.3)}, "pair.smooth"),
     "how a law responds": ({"material": Creeping}, {}, {"law": CreepingOtherwise}, "material"),
+    "surfaces of a tie": (
+        {"contact": di.Tie}, {}, {di.ContactPair: {"search_distance": 0.8}}, "contact.0..pair.search_distance",
+    ),
+    "a tie instead of a contact": ({}, {}, {"contact": di.Tie}, "contact"),
     "a law of the interface": ({}, pressed(1e3), pressed(1e3, lambda gap: -gap**3), "contact.0..law"),
     "a law of friction": ({}, rubbed(1), rubbed(2), "contact.0..pair.friction"),
     "parameters of a law of the interface": ({}, pressed(1e3), pressed(2e3), "contact.0..law"),
@@ -299,11 +340,11 @@ def checkpoint(tmp_path_factory):
 
 def takes(integrator, kind, name):
     """Whether problems of an integrator take an argument of a class."""
-    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
+    only = {di.Lagrange: IMPLICIT, di.Kinematic: EXPLICIT, di.GeneralContact: EXPLICIT, EXPLICIT: EXPLICIT, IMPLICIT: IMPLICIT}
     static = kind is di.Penalty and name in (
         "tangential", "augmented", "quadrature_degree", "tolerance", "max_augmentations",
     )  # fmt: skip
-    if static or (kind, name) == (di.Penalty, "balanced"):
+    if static or (kind, name) in ((di.Penalty, "balanced"), (di.RigidBody, "meets")):
         return integrator is (IMPLICIT if static else EXPLICIT)
     return only.get(kind, integrator) is integrator
 
@@ -316,11 +357,11 @@ def test_every_argument_has_a_row(kind):
 
 def test_every_public_class_has_rows():
     """But what is no part of a problem in time: static and rolling problems, operators, and results; laws of the
-    interface, whose rows are in MORE; ties, rigid bodies and general contact, whose own tests restore them."""
+    interface, whose rows are in MORE."""
     others = {
-        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "FrictionLaw", "GeneralContact", "InterfaceLaw",
-        "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidBody", "RigidSurface",
-        "RollingProblem", "Spin", "StaticProblem", "Tangent", "Tie", "Translation", "Units",
+        "AmplitudeTable", "ContactStatus", "DeformedBody", "Energy", "FrictionLaw", "InterfaceLaw",
+        "InterfaceUpdate", "InternalForce", "MaterialUpdate", "PointValues", "RigidSurface", "RollingProblem", "Spin",
+        "StaticProblem", "Tangent", "Translation", "Units",
     }  # fmt: skip
     classes = {name for name in di.__all__ if isinstance(getattr(di, name), type)}
     assert classes == others | {kind.__name__ for kind in ROWS if kind is not Creeping}
@@ -352,7 +393,7 @@ def repeats(integrator, kind, name):
 def test_another_argument_is_refused(integrator, kind, name, checkpoint):
     chosen, row = ROWS[kind]
     value = row[name]
-    if callable(value) and "amplitude" not in name:
+    if callable(value) and "amplitude" not in name and name != "force":
         value = value(body())
     path = checkpoint(integrator, chosen, {})
     refuse(Made(integrator, chosen, {kind: {name: value}}), path, WORDS.get(name, name))

@@ -192,6 +192,12 @@ CASES = {
     ),
     "joint_3d": ("rail_joint_3d", {"h": 8e-3}, True),
     "insulated": ("insulated_joint_3d", {"h": 8e-3, "coarse": 0.1, "rail_length": 0.6}, True),
+    "insulated_bars": ("insulated_joint_3d", {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "tied": "bars"}, True),
+    "insulated_apart": (
+        "insulated_joint_3d",
+        {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "symmetry": "none", "tied": "all", "tied_size": 0.7},
+        True,
+    ),
     "insulated_whole": (
         "insulated_joint_3d",
         {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "symmetry": "none"},

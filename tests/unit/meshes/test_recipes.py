@@ -13,7 +13,7 @@ RECIPES = {name for name, _, _ in CASES.values()}
 QUALITY = {"quadrilateral": 0.3, "hexahedron": 0.3, "triangle": 0.25, "tetrahedron": 0.005}
 CUBE = {"block_3d", "two_blocks_3d", "two_bars_3d", "sphere", "sphere_whole", "cone", "wheel_3d"}
 CUBE |= {"punch_3d", "wedge_3d", "joint_3d", "joint_3d_wheel", "joint_3d_rolling", "rolling_contact"}
-HEXAHEDRA = {"insulated", "insulated_whole"}
+HEXAHEDRA = {"insulated", "insulated_bars", "insulated_apart", "insulated_whole"}
 CUBE |= HEXAHEDRA
 
 
@@ -81,6 +81,9 @@ PROMISED = {
     "joint_3d": "left right bottom master_surface free symmetry_y",
     "insulated": "left right bottom master_surface hub slave_surface slave_back free symmetry_y",
     "insulated_whole": "left right bottom master_surface hub slave_surface slave_front slave_back free",
+    "insulated_bars": "left right bottom master_surface hub slave_surface slave_back free symmetry_y web bar_face",
+    "insulated_apart": "left right bottom master_surface hub slave_surface slave_front slave_back free web bar_face "
+    "joint_left joint_right post_left post_right",
     "joint_3d_rolling": "left right bottom master_surface joint_left joint_right hub slave_surface slave_back free "
     "symmetry_y",
 }
@@ -95,6 +98,23 @@ def test_folded_cells_are_an_error():
         assert "folded" in str(error) and "smaller cells" in str(error)
     else:
         assert quality(m.mesh) > 0
+
+
+@pytest.mark.parametrize("tied, number", [("none", 2), ("bars", 3), ("all", 5)])
+def test_parts_of_a_joint_that_are_tied_have_nodes_of_their_own(tied, number):
+    """Rails and end post, bars with their glue, wheel: what shares nodes is one part."""
+    name, parameters, _ = CASES["insulated"]
+    plan, _, _ = meshes.layout(name, **{**parameters, "tied": tied})
+    nodes = {body.name: set() for body in plan.bodies}
+    for body in plan.bodies:
+        nodes[body.name].update(p for block in body.blocks for p in block)
+    parts = []
+    for own in nodes.values():
+        met = [part for part in parts if part & own]
+        parts = [part for part in parts if not part & own] + [own.union(*met)]
+    assert len(parts) == number  # rails whose end post is apart do not touch each other
+    assert nodes["glue"] & nodes["joint_bar"]
+    assert bool(nodes["glue"] & nodes["master_body"]) == (tied == "none")
 
 
 @pytest.mark.parametrize("case", PROMISED)
@@ -208,6 +228,7 @@ def test_rail_section_is_close_to_60e1():
         ("two_bars", {"gap": -1.0}, "gap = -1.0"),
         ("wheel_on_rail_2d", {"hub_radius": 0.4}, "hub_radius = 0.4"),
         ("wheel_on_rail_3d", {"crown_radius": 0.01}, "crown_radius = 0.01"),
+        ("insulated_joint_3d", {"tied": "welds"}, "tied = 'welds': one of none, bars, all"),
         ("rail_joint_2d", {"end_post": "welded"}, "one of glued, loose, none"),
         ("rail_joint_2d", {"corner": 2e-3}, "no end post"),
         ("rail_joint_2d", {"corner": 3e-3, "end_post": "none", "joined": 0.01}, "between 4 corner"),

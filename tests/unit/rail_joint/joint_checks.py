@@ -12,6 +12,7 @@ from dolfinx import fem
 from mpi4py import MPI
 from shared_folder import shared_folder
 
+import dolfinx_impact as di
 import impact_studies.rail_joint.case as case_module
 from impact_studies.rail_joint import Case, JointModel, Passage, RailJoint
 from impact_studies.rail_joint.passage import TOLERANCE
@@ -61,6 +62,29 @@ TINY = SMALL.changed(
     rail_length=0.2, bar_length=0.1, coarse=0.3, load=400e3, gap=3e-3, begin=-3e-3, end=3e-3
 )  # fmt: skip
 STAGES = ("preload 1", "start 1", "rolling 1", "unloading 1", "preload 2", "start 2", "rolling 2", "unloading 2")
+
+
+def check_parts_meshed_apart():
+    """End post and bars tied instead of meshed with the rails, under a pressure on the running surface: with the same
+    nodes displacements are the same, with others near by. The passage: tests/verification/test_rail_joint_parts.py."""
+    found = []
+    for tied, size in (("none", 1.0), ("bars", 1.5), ("all", 1.0), ("all", 1.5)):
+        model = JointModel(TINY.changed(tied=tied, tied_size=size), COMM)
+        u, head = fem.Function(model.V), model.tags["master_surface"]
+        problem = di.StaticProblem(
+            u, model.material, bcs=[*model.bcs, *model.parked()],
+            loads=[model.track, di.Traction(model.facet_tags, head, (0.0, 0.0, -1e7))], contact=model.ties,
+        )  # fmt: skip
+        problem.solve(progress=False)
+        assert len(problem.contact) == {"none": 0, "bars": 1, "all": 3}[tied]
+        for c in problem.contact[1:]:
+            assert abs(c.area / 3.93e-3 - 1.0) < 1e-3  # half of the rail's section [m^2]
+        x = model.V.tabulate_dof_coordinates()
+        ends = np.linalg.norm(x - (0.5 * TINY.gap, 0.0, 0.0), axis=1) < 1e-9
+        found.append(-COMM.allreduce(u.x.array.reshape(-1, 3)[ends, 2].min(initial=0.0), MPI.MIN))
+    # Direct solutions of ill-conditioned systems; coarser parts by the error of their cells.
+    assert found[0] > 1e-5 and abs(found[2] / found[0] - 1.0) < 1e-8
+    assert abs(found[1] / found[0] - 1.0) < 1e-3 and abs(found[3] / found[0] - 1.0) < 1e-2
 
 
 class Killed(BaseException):

@@ -10,6 +10,7 @@ test_one_rank, test_several_ranks = rank_tests(
     timeout=300,
     in_make_test={
         "the_wheel_is_balanced": (2,),
+        "parts_meshed_apart": (1,),
         "killed_run_goes_on": (1,),
         "run_killed_in_every_stage_goes_on": (),
         "a_run_in_a_folder_is_alone": (1, 2),

@@ -39,6 +39,9 @@ constexpr double facing_of_lists = 0.5, sharp_of_lists = 0.985;
 constexpr double cells_behind = 3.0;
 /// Edges touch between their ends: farther from them than the depth, by this factor.
 constexpr double inside_factor = 2.0;
+/// Facets are equally near if their distances differ by less than this part: of those with one closest point, on an
+/// edge, that with the smaller id counts, whatever the rounding.
+constexpr double equally_near = 1e-9;
 /// Power of the mean that stands for the smallest height at a node: sums over ranks make it.
 constexpr int power = 8;
 /// Entries of _shared by node.
@@ -477,9 +480,8 @@ bool GeneralContact::behind_neighbours(std::size_t f, const double* x, const sea
   {
     corners_at<D>(other, _x.data(), nullptr, corners);
     loop::side_normal(corners, num, k, normal);
-    constexpr double round_off = 1e-9;
     return loop::dot<D>(at.away, normal) < 0.0 &&
-           !(loop::closest(corners, num, x).squared < (1.0 - round_off) * at.squared);
+           !(loop::closest(corners, num, x).squared < (1.0 - equally_near) * at.squared);
   };
   if (at.side >= 0)
   {
@@ -528,15 +530,17 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
       continue;
     // Of an open node what is found behind counts before what is in front, of both the nearest. The side of a closed
     // one is known: the nearest counts.
-    if (spring.closed ? distance >= std::abs(touch.gap)
-        : front       ? touch.gap < 0.0 || distance >= touch.gap
-                      : touch.gap < 0.0 && distance >= -touch.gap)
+    const double nearer = (1.0 - equally_near) * std::abs(touch.gap);
+    if (spring.closed ? distance >= nearer
+        : front       ? touch.gap < 0.0 || distance >= nearer
+                      : touch.gap < 0.0 && distance >= nearer)
       continue;
     if (spring.closed ? loop::dot<D>(at.normal, spring.normal) < sliding : !faces<D>(node, at.normal))
       continue;
     if (!front && !at.inside() && !behind_neighbours<D>(f, x, at))
       continue;
-    const double gap = front ? along : distance <= rounding ? 0.0 : -distance;
+    const bool touches = distance <= rounding;
+    const double gap = front && at.flat ? along : touches ? 0.0 : front ? distance : -distance;
     double height = _height[_loops.corners(f)[0]];
     for (int j = 1; j < num; ++j)
       height = std::min(height, _height[_loops.corners(f)[j]]);
@@ -576,7 +580,7 @@ bool GeneralContact::find(std::size_t i, const NodalState& state, Touch& touch)
     touch.gap = gap;
     std::copy_n(at.weights, 4, touch.weights);
     for (int c = 0; c < D; ++c)
-      touch.normal[c] = at.flat || gap >= 0.0 ? at.normal[c] : -at.away[c] / distance;
+      touch.normal[c] = at.flat || touches ? at.normal[c] : at.away[c] / (front ? distance : -distance);
   }
   if (!std::isfinite(touch.gap) && lost > _passage.facets)
     _passage = {_candidates.nodes()[i], lost, true};
@@ -612,7 +616,7 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       motion[c] = state.du[node * D + c];
     for (int k = 0; k < num; ++k)
     {
-      others += touch.weights[k] * _compliance[corners[k]] * _area[corners[k]];
+      others += touch.weights[k] * _compliance[corners[k]] * std::max(_area[node], _area[corners[k]]);
       for (int c = 0; c < D; ++c)
         motion[c] -= touch.weights[k] * state.du[std::size_t(corners[k]) * D + c];
     }

@@ -46,8 +46,7 @@ FrictionLaw::Input FrictionLaw::input(const impact_coefficient& c) const
   Input out{Source::pressure, 0, c.element.num_dofs, c.offset};
   if (name == "pressure" && out.size == 1)
     return out;
-  for (const auto& [wanted, source] :
-       {std::pair("slip_rate", Source::slip_rate), std::pair("normal", Source::normal)})
+  for (const auto& [wanted, source] : {std::pair("slip_rate", Source::slip_rate), std::pair("normal", Source::normal)})
     if (name == wanted && out.size == _gdim)
     {
       out.source = source;

@@ -197,8 +197,8 @@ FrictionPoints MortarContact::law_points() const
   on_slave.scatter_rev(std::plus<double>());
   for (std::size_t f = 0; f < law.fields().size(); ++f)
   {
-    // Means over what a multiplier covers, as those of gaps: the field is a displacement's first component, of the slave
-    // alone and of both bodies.
+    // Means over what a multiplier covers, as those of gaps: the field is a displacement's first component, of the
+    // slave alone and of both bodies.
     const std::span<const double> field = law.fields()[f].function->x()->array();
     std::vector<double> slave(std::size_t(_geometry->map()->size_local()) * g, 0.0), both(slave);
     for (std::size_t node = 0; node < both.size() / g; ++node)

@@ -1,20 +1,106 @@
 // SPDX-License-Identifier: MIT
 #include "TieSystem.h"
 #include "../../common/gather.h"
-#include "../../operators/PetscErrorText.h"
 #include "../../operators/petsc_check.h"
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 
 namespace dolfinx_impact::enforcement
 {
 using operators::check;
 
+namespace
+{
+/// The entries of a sparse matrix of this process, row by row.
+struct TieEntries
+{
+  explicit TieEntries(Mat A)
+  {
+    PetscInt size = 0;
+    check(MatGetSize(A, &size, nullptr), "a matrix is asked for its size");
+    for (PetscInt row = 0; row < size; ++row)
+    {
+      PetscInt number = 0;
+      const PetscInt* at = nullptr;
+      const PetscScalar* value = nullptr;
+      check(MatGetRow(A, row, &number, &at, &value), "a row is read");
+      columns.insert(columns.end(), at, at + number);
+      values.insert(values.end(), value, value + number);
+      pointers.push_back(columns.size());
+      check(MatRestoreRow(A, row, &number, &at, &value), "a row is read");
+    }
+  }
+  std::size_t size() const { return pointers.size() - 1; }
+
+  std::vector<std::size_t> pointers = {0};
+  std::vector<PetscInt> columns;
+  std::vector<double> values;
+};
+
+/// Rows that are connected by entries, ascending, set after set.
+std::vector<std::vector<PetscInt>> connected_rows(const TieEntries& A)
+{
+  std::vector<std::vector<PetscInt>> out;
+  std::vector<std::int8_t> known(A.size(), 0);
+  for (std::size_t start = 0; start < A.size(); ++start)
+  {
+    if (known[start])
+      continue;
+    known[start] = 1;
+    std::vector<PetscInt>& rows = out.emplace_back(1, PetscInt(start));
+    for (std::size_t next = 0; next < rows.size(); ++next)
+      for (std::size_t k = A.pointers[std::size_t(rows[next])]; k < A.pointers[std::size_t(rows[next]) + 1]; ++k)
+        if (std::int8_t& here = known[std::size_t(A.columns[k])]; !here && A.values[k] != 0.0)
+        {
+          here = 1;
+          rows.push_back(A.columns[k]);
+        }
+    std::ranges::sort(rows);
+  }
+  return out;
+}
+
+/// Have two blocks the same entries, to the last digit? Entries of zero do not count.
+bool equal_blocks(const TieEntries& A, std::span<const PetscInt> one, std::span<const PetscInt> other)
+{
+  if (one.size() != other.size())
+    return false;
+  for (std::size_t k = 0; k < one.size(); ++k)
+  {
+    std::size_t i = A.pointers[std::size_t(one[k])], j = A.pointers[std::size_t(other[k])];
+    const std::size_t i_end = A.pointers[std::size_t(one[k]) + 1], j_end = A.pointers[std::size_t(other[k]) + 1];
+    while (true)
+    {
+      while (i < i_end && A.values[i] == 0.0)
+        ++i;
+      while (j < j_end && A.values[j] == 0.0)
+        ++j;
+      if (i == i_end || j == j_end)
+        break;
+      const auto place = [&](std::span<const PetscInt> rows, PetscInt column)
+      { return std::ranges::lower_bound(rows, column) - rows.begin(); };
+      if (A.values[i] != A.values[j] || place(one, A.columns[i]) != place(other, A.columns[j]))
+        return false;
+      ++i;
+      ++j;
+    }
+    if (i != i_end || j != j_end)
+      return false;
+  }
+  return true;
+}
+} // namespace
+
 TieSystem::TieSystem(std::vector<const TieConditions*> ties, std::span<const double> inverse_mass)
     : _comm(ties.at(0)->comm()), _ties(std::move(ties)), _inverse_mass(inverse_mass.begin(), inverse_mass.end())
 {
+  if (_inverse_mass.size() !=
+      std::size_t(_ties[0]->space().dofmap()->index_map->size_local()) * std::size_t(_ties[0]->gdim()))
+    throw std::invalid_argument("an inverse mass of every owned degree of freedom is needed");
   Mat scaled = nullptr, transposed = nullptr, product = nullptr;
   for (const TieConditions* tie : _ties)
     if (!scaled)
@@ -23,12 +109,8 @@ TieSystem::TieSystem(std::vector<const TieConditions*> ties, std::span<const dou
       check(MatAXPY(scaled, 1.0, tie->matrix(), DIFFERENT_NONZERO_PATTERN), "matrices are added");
   Vec root = nullptr;
   check(MatCreateVecs(scaled, &root, nullptr), "a vector is made");
-  PetscInt first = 0;
-  check(VecGetOwnershipRange(root, &first, nullptr), "a vector is asked for its rows");
   {
     operators::Entries values(root);
-    if (values.size() != _inverse_mass.size())
-      throw std::invalid_argument("an inverse mass of every owned degree of freedom is needed");
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] = std::sqrt(_inverse_mass[i]);
   }
@@ -39,6 +121,32 @@ TieSystem::TieSystem(std::vector<const TieConditions*> ties, std::span<const dou
   check(MatDestroy(&scaled), "a matrix is destroyed");
   check(MatDestroy(&transposed), "a matrix is destroyed");
 
+  find_rows();
+  IS rows = nullptr;
+  Mat* parts = nullptr;
+  check(ISCreateGeneral(PETSC_COMM_SELF, PetscInt(_all_rows.size()), _all_rows.data(), PETSC_COPY_VALUES, &rows),
+        "rows are named");
+  check(MatCreateSubMatrices(product, 1, &rows, &rows, MAT_INITIAL_MATRIX, &parts), "a matrix is gathered");
+  check(MatDestroy(&product), "a matrix is destroyed");
+  check(ISDestroy(&rows), "rows are destroyed");
+  std::exception_ptr failed;
+  try
+  {
+    factorise(parts[0]);
+  }
+  catch (...)
+  {
+    failed = std::current_exception();
+  }
+  check(MatDestroySubMatrices(1, &parts), "a matrix is destroyed");
+  if (failed)
+    std::rethrow_exception(failed);
+}
+
+/// Conditions of this rank and of all ranks, and the order that PETSc gives to the rows of a submatrix. Collective.
+void TieSystem::find_rows()
+{
+  const PetscInt first = PetscInt(_ties[0]->space().dofmap()->index_map->local_range()[0] * _ties[0]->gdim());
   for (const TieConditions* tie : _ties)
   {
     const Constraints& rows = tie->rows();
@@ -57,51 +165,49 @@ TieSystem::TieSystem(std::vector<const TieConditions*> ties, std::span<const dou
   std::partial_sum(_counts.begin(), _counts.end() - 1, _starts.begin() + 1);
   // PETSc takes the rows of a submatrix in ascending order; those of a rank are tie after tie.
   const std::vector<std::int64_t> wide = common::gather(_comm, std::vector<std::int64_t>(_rows.begin(), _rows.end()));
-  std::vector<PetscInt> all(wide.begin(), wide.end());
-  std::ranges::sort(all);
+  _all_rows.assign(wide.begin(), wide.end());
+  std::ranges::sort(_all_rows);
   for (std::int64_t row : wide)
-    _order.push_back(std::size_t(std::ranges::lower_bound(all, PetscInt(row)) - all.begin()));
+    _order.push_back(std::size_t(std::ranges::lower_bound(_all_rows, PetscInt(row)) - _all_rows.begin()));
   for (std::vector<double>* values : {&_received, &_b, &_z})
-    values->assign(all.size(), 0.0);
-
-  IS rows = nullptr;
-  Mat* parts = nullptr;
-  check(ISCreateGeneral(PETSC_COMM_SELF, PetscInt(all.size()), all.data(), PETSC_COPY_VALUES, &rows), "rows are named");
-  check(MatCreateSubMatrices(product, 1, &rows, &rows, MAT_INITIAL_MATRIX, &parts), "a matrix is gathered");
-  check(MatDestroy(&product), "a matrix is destroyed");
-  IS order = nullptr, other = nullptr;
-  MatFactorInfo info;
-  check(MatFactorInfoInitialize(&info), "factors are made");
-  {
-    const operators::PetscErrorText error;
-    PetscErrorCode code = MatGetFactor(parts[0], MATSOLVERPETSC, MAT_FACTOR_CHOLESKY, &_factors);
-    if (!code)
-      code = MatGetOrdering(parts[0], MATORDERINGND, &order, &other);
-    if (!code)
-      code = MatCholeskyFactorSymbolic(_factors, parts[0], order, &info);
-    if (!code)
-      code = MatCholeskyFactorNumeric(_factors, parts[0], &info);
-    MatFactorError fault = MAT_FACTOR_NOERROR;
-    if (!code)
-      code = MatFactorGetError(_factors, &fault);
-    if (code || fault != MAT_FACTOR_NOERROR)
-      throw std::runtime_error(
-          "the conditions of the ties imply each other: leave common nodes out of one of the tags" +
-          (code ? " (" + error.text() + ")" : std::string()));
-  }
-  check(ISDestroy(&order), "an order is destroyed");
-  check(ISDestroy(&other), "an order is destroyed");
-  check(ISDestroy(&rows), "rows are destroyed");
-  check(MatDestroySubMatrices(1, &parts), "a matrix is destroyed");
-  check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, PetscInt(_b.size()), _b.data(), &_right), "a vector is made");
-  check(VecCreateSeqWithArray(PETSC_COMM_SELF, 1, PetscInt(_z.size()), _z.data(), &_solution), "a vector is made");
+    values->assign(_all_rows.size(), 0.0);
 }
 
-TieSystem::~TieSystem()
+/// Find the blocks of S and factorise those that differ.
+void TieSystem::factorise(Mat S)
 {
-  VecDestroy(&_right);
-  VecDestroy(&_solution);
-  MatDestroy(&_factors);
+  const TieEntries entries(S);
+  for (std::vector<PetscInt>& rows : connected_rows(entries))
+    _blocks.push_back({std::move(rows), 0});
+  std::vector<const Block*> factorised;
+  for (Block& block : _blocks)
+  {
+    const auto same = std::ranges::find_if(factorised, [&](const Block* other)
+                                           { return equal_blocks(entries, block.rows, other->rows); });
+    block.factors = std::size_t(same - factorised.begin());
+    if (same != factorised.end())
+      continue;
+    factorised.push_back(&block);
+    IS rows = nullptr;
+    Mat part = nullptr;
+    check(ISCreateGeneral(PETSC_COMM_SELF, PetscInt(block.rows.size()), block.rows.data(), PETSC_COPY_VALUES, &rows),
+          "rows are named");
+    check(MatCreateSubMatrix(S, rows, rows, MAT_INITIAL_MATRIX, &part), "a block is taken");
+    check(ISDestroy(&rows), "rows are destroyed");
+    std::string error;
+    try
+    {
+      _factors.push_back(std::make_unique<operators::CholeskyFactors>(part));
+    }
+    catch (const std::runtime_error& e)
+    {
+      error = e.what();
+    }
+    check(MatDestroy(&part), "a block is destroyed");
+    if (!error.empty())
+      throw std::runtime_error(
+          "the conditions of the ties imply each other: leave common nodes out of one of the tags (" + error + ")");
+  }
 }
 
 void TieSystem::solve(std::span<const double> b, std::span<double> z)
@@ -112,7 +218,8 @@ void TieSystem::solve(std::span<const double> b, std::span<double> z)
                  _comm);
   for (std::size_t k = 0; k < _order.size(); ++k)
     _b[_order[k]] = _received[k];
-  check(MatSolve(_factors, _right, _solution), "the forces of ties are solved for");
+  for (const Block& block : _blocks)
+    _factors[block.factors]->solve(block.rows, _b, _z);
   for (std::size_t k = 0; k < _rows.size(); ++k)
     z[k] = _z[_order[_starts[rank] + k]];
 }

@@ -4,8 +4,8 @@
 #include "../../gap/Rigid.h"
 #include "../../search/node_tracker/NodeTracker.h"
 #include "../ContactStatus.h"
-#include "../interface/FrictionLaw.h"
 #include "../friction.h"
+#include "../interface/FrictionLaw.h"
 #include "NodalContact.h"
 #include "NodeCandidates.h"
 #include <array>
@@ -18,11 +18,11 @@ namespace dolfinx_impact::enforcement
 /// Options of every node-to-surface contact.
 struct NodeToSurfaceOptions
 {
-  double friction = 0.0;              ///< coefficient, without `friction_law` [1]
-  double search_distance = 0.0;       ///< 0 means the largest facet diameter [L]
-  bool axisymmetric = false;          ///< nodal areas are multiplied by 2 pi R
-  std::string name = "contact";       ///< for messages
-  gap::GapAdjustment adjustment = {}; ///< of gaps in the reference configuration
+  double friction = 0.0;                                     ///< coefficient, without `friction_law` [1]
+  double search_distance = 0.0;                              ///< 0 means the largest facet diameter [L]
+  bool axisymmetric = false;                                 ///< nodal areas are multiplied by 2 pi R
+  std::string name = "contact";                              ///< for messages
+  gap::GapAdjustment adjustment = {};                        ///< of gaps in the reference configuration
   std::shared_ptr<const FrictionLaw> friction_law = nullptr; ///< of kinematic contact; null: a constant coefficient
 
   bool has_friction() const { return friction > 0.0 || friction_law; }

@@ -67,7 +67,7 @@ void PenaltyForces::forget()
   _matrix.forget();
 }
 
-void PenaltyForces::evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment)
+void PenaltyForces::evaluate(std::span<const double> increment, const RigidIncrement& rigid_increment)
 {
   if (_search)
   {

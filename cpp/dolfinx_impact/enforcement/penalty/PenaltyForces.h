@@ -39,8 +39,8 @@ public:
   void update_gap(std::span<const double> u, std::span<const double> start, bool stay = false);
   /// Pressures, tractions, slips and status, after update_gap. Collective.
   /// @param[in] increment displacements since the step began, owned and ghosts [L]
-  /// @param[in] rigid_increment that of a rigid master [L]
-  void evaluate(std::span<const double> increment, const std::array<double, 3>& rigid_increment = {});
+  /// @param[in] rigid_increment that of a rigid master
+  void evaluate(std::span<const double> increment, const RigidIncrement& rigid_increment = {});
   /// Evaluate again, with another PenaltyParameters::touch.
   void evaluate();
   /// The tractions of a law of the interface are those of the last converged state.
@@ -92,7 +92,7 @@ private:
   std::optional<LawPoints> _law;
   PenaltyState _state;
   std::vector<double> _increment; ///< by nodes of the map
-  std::array<double, 3> _rigid_increment{};
+  RigidIncrement _rigid_increment{};
   operators::NodalMatrix _matrix;
 };
 } // namespace dolfinx_impact::enforcement

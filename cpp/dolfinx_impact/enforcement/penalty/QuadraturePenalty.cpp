@@ -5,6 +5,7 @@
 #include "../../gap/mortar.h"
 #include "../../gap/nearly_touching.h"
 #include "../../gap/obstacle_side.h"
+#include "../../gap/rotation.h"
 #include "../../gap/search_distance.h"
 #include "../../operators/body_size.h"
 #include "../../operators/nodal_sums.h"
@@ -69,6 +70,22 @@ std::vector<double> difference(std::span<const double> a, std::span<const double
   std::vector<double> out(a.size());
   std::transform(a.begin(), a.end(), b.begin(), out.begin(), std::minus<double>());
   return out;
+}
+
+/// Move a point that was there at the start of the increment as the master has moved in it.
+void move_with_master(const RigidIncrement& rigid, int gdim, double* x)
+{
+  // The identity less `turn` is the inverse of the rotation of the increment.
+  double arm[3] = {}, out[3] = {};
+  for (int c = 0; c < gdim; ++c)
+    arm[c] = x[c] + rigid.displacement[c] - rigid.centre[c];
+  for (int c = 0; c < gdim; ++c)
+  {
+    out[c] = x[c] + rigid.displacement[c];
+    for (int d = 0; d < gdim; ++d)
+      out[c] -= rigid.turn[3 * d + c] * arm[d];
+  }
+  std::copy_n(out, gdim, x);
 }
 
 const PenaltyOptions& checked(const PenaltyOptions& o)
@@ -177,11 +194,33 @@ std::optional<std::array<double, 3>> QuadraturePenalty::displacement() const
   return _rigid ? std::optional(_displacement) : std::nullopt;
 }
 
-std::array<double, 3> QuadraturePenalty::rigid_increment() const
+void QuadraturePenalty::set_rotation(const gap::Matrix3& rotation)
 {
-  std::array<double, 3> out;
+  if (!turns())
+    throw std::invalid_argument(_name + ": the master does not turn: it was not made as one that rotates");
+  _next_rotation = rotation;
+}
+
+std::optional<gap::Matrix3> QuadraturePenalty::rotation() const
+{
+  return turns() ? std::optional(_rotation) : std::nullopt;
+}
+
+std::array<double, 3> QuadraturePenalty::centre() const
+{
+  return _rigid ? _rigid->centre : std::array<double, 3>{};
+}
+
+RigidIncrement QuadraturePenalty::rigid_increment() const
+{
+  RigidIncrement out;
   for (int c = 0; c < 3; ++c)
-    out[c] = _displacement[c] - _start_displacement[c];
+    out.displacement[c] = _displacement[c] - _start_displacement[c];
+  if (!turns())
+    return out;
+  out.turn = gap::turn_between(_start_rotation, _rotation);
+  for (int c = 0; c < 3; ++c)
+    out.centre[c] = _rigid->centre[c] + _displacement[c];
   return out;
 }
 
@@ -203,6 +242,11 @@ state::State QuadraturePenalty::state()
   out.add("start", Place::node, state::View(std::span(_start).first(num_owned * gdim)), gdim);
   out.add("start_displacement", Place::all, state::View(std::span<double>(_start_displacement)), 3);
   out.add("displacement", Place::all, state::View(std::span<double>(_displacement)), 3);
+  if (turns())
+  {
+    out.add("start_rotation", Place::all, state::View(std::span<double>(_start_rotation)), 9);
+    out.add("rotation", Place::all, state::View(std::span<double>(_rotation)), 9);
+  }
   return out;
 }
 
@@ -245,6 +289,9 @@ void QuadraturePenalty::begin_step(std::span<const double> u, const std::optiona
   {
     _start_displacement = _displacement;
     _displacement = *displacement;
+    _start_rotation = _rotation;
+    _rotation = _next_rotation.value_or(_rotation);
+    _next_rotation.reset();
   }
 }
 
@@ -356,7 +403,7 @@ std::string QuadraturePenalty::passed_through()
   if (_rigid)
   {
     const std::vector<double> moved = difference(_u, _start);
-    const std::array<double, 3> rigid = rigid_increment();
+    const RigidIncrement rigid = rigid_increment();
     std::vector<double> from = at().x;
     double shape[surface::FacetElement::max_nodes];
     for (std::size_t q = 0; q < at().size(); ++q)
@@ -364,10 +411,10 @@ std::string QuadraturePenalty::passed_through()
       _slave.displacement.values(at().xi.data() + 2 * q, shape);
       for (int c = 0; c < gdim; ++c)
       {
-        from[q * gdim + c] += rigid[c];
         for (int i = 0; i < n; ++i)
           from[q * gdim + c] -= shape[i] * moved[std::size_t(_slave.nodes_of(at().facet[q])[i]) * gdim + c];
       }
+      move_with_master(rigid, gdim, from.data() + q * gdim);
     }
     passed = gap::through_obstacle(*_rigid, from, at().x, _initial->offset(), touch * _size);
   }
@@ -413,6 +460,8 @@ state::State QuadraturePenalty::saved_state()
   out.add_copies(now, vectors);
   _totals.add_to(out, at().gdim);
   out.add_own("master", Place::all, std::vector<double>(_displacement.begin(), _displacement.end()));
+  if (turns())
+    out.add_own("rotation", Place::all, std::vector<double>(_rotation.begin(), _rotation.end()), 9);
   out.add_own("penalties", Place::all, std::vector<double>{_penalty, _tangential});
   if (_options.augmented)
     out.add_copies(now, corners);
@@ -434,6 +483,8 @@ void QuadraturePenalty::resume(const state::State& saved, std::span<const double
   _penalty = saved.values<double>("penalties")[0];
   _tangential = saved.values<double>("penalties")[1];
   _start_displacement = _displacement;
+  if (turns())
+    std::ranges::copy(saved.values<double>("rotation"), _rotation.begin());
   begin_step(u, displacement());
   update_gap(u);
   if (_keeper) // points a little beside a facet that they were kept on go back on it
@@ -481,6 +532,8 @@ void QuadraturePenalty::locate(std::span<const double> u)
 {
   if (_rigid)
     _rigid->displacement = _displacement;
+  if (turns())
+    _rigid->rotation = _rotation;
   _forces.update_gap(u, _start, _seen && _keeper && _keeper->stay());
 }
 

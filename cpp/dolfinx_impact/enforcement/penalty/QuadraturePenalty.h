@@ -59,6 +59,9 @@ public:
   void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                   std::span<const double> target = {}) override;
   std::optional<std::array<double, 3>> displacement() const override;
+  void set_rotation(const gap::Matrix3& rotation) override;
+  std::optional<gap::Matrix3> rotation() const override;
+  std::array<double, 3> centre() const override;
   state::State state() override;
   void accept_step() override;
   bool augment() override;
@@ -135,7 +138,8 @@ private:
   bool leave_facets();
   std::vector<double> closest_points() const;
   std::vector<double> gap_without_overhang();
-  std::array<double, 3> rigid_increment() const;
+  bool turns() const { return _rigid && _rigid->rotates; }
+  RigidIncrement rigid_increment() const;
 
   std::string _name;
   std::shared_ptr<const surface::FunctionSpace> _space;
@@ -159,10 +163,12 @@ private:
   /// Trial pressure below zero up to which points close in an increment's first evaluation; nothing: none has begun.
   std::optional<double> _touch;
   std::vector<double> _u, _start; ///< displacements now and when the increment began; ghosts follow in update_gap
-  std::array<double, 3> _displacement{}, _start_displacement{}; ///< of a rigid master
-  std::vector<std::int8_t> _touched;                            ///< points that were closed in the last converged state
-  std::vector<double> _gap_before;                              ///< facing_gap in the last converged state
-  std::vector<ContactStatus> _last_status;                      ///< of the last iteration
-  std::optional<std::vector<ContactStatus>> _resumed_status;    ///< that of a checkpoint, until the next evaluation
+  std::array<double, 3> _displacement{}, _start_displacement{};            ///< of a rigid master
+  gap::Matrix3 _rotation = gap::identity, _start_rotation = gap::identity; ///< of one that turns
+  std::optional<gap::Matrix3> _next_rotation;                              ///< at the end of the next increment
+  std::vector<std::int8_t> _touched;                         ///< points that were closed in the last converged state
+  std::vector<double> _gap_before;                           ///< facing_gap in the last converged state
+  std::vector<ContactStatus> _last_status;                   ///< of the last iteration
+  std::optional<std::vector<ContactStatus>> _resumed_status; ///< that of a checkpoint, until the next evaluation
 };
 } // namespace dolfinx_impact::enforcement

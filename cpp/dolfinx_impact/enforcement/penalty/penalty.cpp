@@ -21,7 +21,15 @@ void relative_increment(const PenaltyPair& pair, std::size_t q, double* out)
   const std::int32_t* slave = pair.slave.nodes_of(p.facet[q]);
   const std::int32_t* master = pair.master ? pair.master->nodes_of(p.master[q]) : nullptr;
   for (int c = 0; c < gdim; ++c)
-    out[c] = pair.master ? 0.0 : -pair.rigid_increment[c];
+  {
+    out[c] = 0.0;
+    if (pair.master)
+      continue;
+    const RigidIncrement& rigid = pair.rigid_increment;
+    out[c] = -rigid.displacement[c];
+    for (int d = 0; d < gdim; ++d)
+      out[c] -= rigid.turn[3 * c + d] * (p.x[q * gdim + d] - rigid.centre[d]);
+  }
   for (int i = 0; i < num; ++i)
   {
     const std::int32_t node = i < num_slave ? slave[i] : master[i - num_slave];
@@ -93,7 +101,12 @@ void traction_derivative(const PenaltyPair& pair, const PenaltyState& state, std
   double increment[3], d_increment[3 * Variation::max_num] = {};
   relative_increment(pair, q, increment);
   for (int c = 0; c < gdim; ++c)
+  {
     d_increment[c * num + c] = 1.0;
+    if (!pair.master)
+      for (int d = 0; d < gdim; ++d)
+        d_increment[c * num + d] -= pair.rigid_increment.turn[3 * c + d];
+  }
   for (int r = 0; r < v.k; ++r)
   {
     double slope[3];

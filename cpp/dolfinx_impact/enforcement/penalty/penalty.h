@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../gap/RigidMotion.h"
 #include "../../gap/points.h"
 #include "../ContactStatus.h"
 #include <array>
@@ -43,6 +44,15 @@ struct PenaltyState
 
 class LawPoints;
 
+/// Motion of a rigid master since the last converged state: the point that is now at x has moved by
+/// displacement + turn (x - centre).
+struct RigidIncrement
+{
+  std::array<double, 3> displacement{}; ///< of the centre [L]
+  gap::Matrix3 turn{};                  ///< see gap::RigidMotion [1]
+  std::array<double, 3> centre{};       ///< now [L]
+};
+
 /// The pair in its present configuration. All refer to arrays that live elsewhere.
 struct PenaltyPair
 {
@@ -54,7 +64,7 @@ struct PenaltyPair
   /// Displacements since the last converged state at the nodes that the facets number, [node*gdim + c]; may be empty
   /// without friction [L].
   std::span<const double> increment;
-  std::array<double, 3> rigid_increment{}; ///< the same of a rigid master [L]
+  RigidIncrement rigid_increment{}; ///< the same of a rigid master
   /// A law of the interface in the place of the penalties and of friction, as it was evaluated last; null: none.
   const LawPoints* law = nullptr;
 };

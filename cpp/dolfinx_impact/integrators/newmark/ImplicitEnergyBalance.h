@@ -18,6 +18,8 @@ struct Forces
   std::vector<double> support;  ///< of supports on the bodies, zero elsewhere
   /// Of each contact's rigid master on its slave; zero for deformable ones.
   std::vector<std::array<double, 3>> obstacles;
+  /// Of each contact on its rigid master, torque about its centre; zero for those that do not turn as prescribed [F L].
+  std::vector<std::array<double, 3>> torques;
 };
 
 /// Works so far, over all ranks [F L].
@@ -42,8 +44,10 @@ public:
   /// @param[in] forces at its end
   /// @param[in] before, after displacements at its start and end, owned [L]
   /// @param[in] from, to displacements of rigid masters then [L]
+  /// @param[in] turned rotation vectors of rigid masters in the step [1]
   void add_step(MPI_Comm comm, Forces forces, std::span<const double> before, std::span<const double> after,
-                std::span<const std::array<double, 3>> from, std::span<const std::array<double, 3>> to);
+                std::span<const std::array<double, 3>> from, std::span<const std::array<double, 3>> to,
+                std::span<const std::array<double, 3>> turned);
 
   /// @param[in] block_size degrees of freedom of a node
   state::State state(std::size_t block_size)
@@ -55,6 +59,8 @@ public:
     out.add("support", state::Place::node, _forces.support, block_size);
     for (std::size_t k = 0; k < _forces.obstacles.size(); ++k)
       out.add("obstacle " + std::to_string(k), state::Place::all, state::View(std::span(_forces.obstacles[k])), 3);
+    for (std::size_t k = 0; k < _forces.torques.size(); ++k)
+      out.add("torque " + std::to_string(k), state::Place::all, state::View(std::span(_forces.torques[k])), 3);
     out.add("internal work", state::Place::all, _works.internal);
     out.add("external work", state::Place::all, _works.external);
     out.add("damping work", state::Place::all, _works.damping);

@@ -56,16 +56,55 @@ ImplicitStepper::ImplicitStepper(std::shared_ptr<const solve::EquilibriumProblem
   _motion.displacement = _start_displacement;
 }
 
-void ImplicitStepper::enter_contact()
+void ImplicitStepper::add_body(std::shared_ptr<ImplicitRigidBody> body, std::vector<std::size_t> contacts)
 {
-  const TimeValues values = _excitation->sample({}, 0.0);
-  _equations->u->x()->scatter_fwd();
+  for (std::size_t k : contacts)
+    if (body->turns() && !_equations->contacts.at(k)->rotation())
+      throw std::invalid_argument(_equations->contacts[k]->name() + " has no rigid master that could turn");
+  _bodies.push_back({std::move(body), std::move(contacts)});
+}
+
+TimeValues ImplicitStepper::sample(std::optional<double> step, double time)
+{
+  TimeValues out = _excitation->sample(step, time);
+  for (const Rigid& rigid : _bodies)
+    for (std::size_t k : rigid.contacts)
+      out.places[k] = rigid.body->state().displacement;
+  return out;
+}
+
+/// Contacts begin an increment, with rigid masters where they are prescribed, and bodies where they are.
+void ImplicitStepper::begin_contacts(const TimeValues& values, double step, std::span<const double> target)
+{
   const auto& contacts = _equations->contacts;
   for (std::size_t k = 0; k < contacts.size(); ++k)
+    if (contacts[k]->rotation())
+      contacts[k]->set_rotation(gap::matrix_of(gap::quaternion_of(values.angles[k])));
+  for (const Rigid& rigid : _bodies)
+    for (std::size_t k : rigid.contacts)
+      if (contacts[k]->rotation())
+        contacts[k]->set_rotation(rigid.body->rotation());
+  for (std::size_t k = 0; k < contacts.size(); ++k)
   {
-    contacts[k]->set_time_step(0.0);
-    contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt);
+    contacts[k]->set_time_step(step);
+    contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt, target);
   }
+}
+
+/// Contact forces on a body where the contacts have it. Collective.
+solve::MasterForce ImplicitStepper::force_on(std::size_t body) const
+{
+  const std::vector<std::size_t>& contacts = _bodies[body].contacts;
+  return solve::force_on_master(*_equations, contacts,
+                                solve::centre_of_master(*_equations->contacts[contacts.front()]));
+}
+
+void ImplicitStepper::enter_contact()
+{
+  const TimeValues values = sample({}, 0.0);
+  _equations->u->x()->scatter_fwd();
+  const auto& contacts = _equations->contacts;
+  begin_contacts(values, 0.0, {});
   for (const auto& contact : contacts)
   {
     contact->update_gap(u());
@@ -99,13 +138,21 @@ Forces ImplicitStepper::forces(const Motion& motion, const TimeValues& values)
   std::vector<double> balance = _body->inertia().times(motion.acceleration);
   for (std::size_t i = 0; i < balance.size(); ++i)
     balance[i] += out.damping[i] + residual[i];
-  for (const auto& contact : _equations->contacts)
+  const auto is_body = [this](std::size_t k)
+  { return std::ranges::any_of(_bodies, [k](const Rigid& b) { return std::ranges::count(b.contacts, k) > 0; }); };
+  for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
   {
+    const auto& contact = _equations->contacts[k];
     const std::vector<double> pressed = contact->contact_forces();
     for (std::size_t i = 0; i < balance.size(); ++i)
       balance[i] -= pressed[i];
+    const bool moves = contact->displacement() && !is_body(k);
     out.obstacles.push_back(contact->displacement() ? contact->force().value_or(std::array<double, 3>{})
                                                     : std::array<double, 3>{});
+    out.torques.push_back(
+        moves && contact->rotation()
+            ? solve::force_on_master(*_equations, std::array{k}, solve::centre_of_master(*contact)).torque
+            : std::array<double, 3>{});
   }
   out.internal = residual;
   for (std::size_t i = 0; i < balance.size(); ++i)
@@ -127,7 +174,7 @@ void ImplicitStepper::show_motion()
 
 void ImplicitStepper::start(std::optional<double> step)
 {
-  const TimeValues values = _excitation->sample(step, 0.0);
+  const TimeValues values = sample(step, 0.0);
   _equations->u->x()->scatter_fwd();
   _velocity->x()->scatter_fwd();
   const std::size_t n = num_owned();
@@ -160,7 +207,13 @@ void ImplicitStepper::start(std::optional<double> step)
   _motion.acceleration = std::move(tied.rates);
   _motion.mean = _motion.acceleration;
   show_motion();
+  for (std::size_t b = 0; b < _bodies.size(); ++b)
+  {
+    const auto [force, torque] = force_on(b);
+    _bodies[b].body->start(values.body_forces[b], values.body_torques[b], force, torque);
+  }
   _places = values.places;
+  _angles = values.angles;
   _energy_balance.set_forces(forces(_motion, values));
 }
 
@@ -175,6 +228,8 @@ state::State ImplicitStepper::state()
   out.add(_motion.state(bs));
   out.add(_energy_balance.state(bs));
   out.add(_body->state());
+  for (std::size_t b = 0; b < _bodies.size(); ++b)
+    out.add(_bodies[b].body->state().state("rigid body " + std::to_string(b)));
   for (std::size_t k = 0; k < _equations->contacts.size(); ++k)
   {
     state::State part("contact " + std::to_string(k));
@@ -189,8 +244,9 @@ void ImplicitStepper::resume()
   std::ranges::copy(_motion.displacement, u().begin());
   _equations->u->x()->scatter_fwd();
   show_motion();
-  const TimeValues values = _excitation->sample({}, _time);
+  const TimeValues values = sample({}, _time);
   _places = values.places;
+  _angles = values.angles;
   body_residual(values.factors); // stresses and energies of a restored history
 }
 
@@ -223,11 +279,9 @@ solve::Increment ImplicitStepper::attempt(double step, const TimeValues& values,
     goal[i] = _equations->fixed[i] ? values.displacement[i] : u()[i];
   target.x()->scatter_fwd();
   const Scaled scaled(*_excitation, values.factors);
-  for (std::size_t k = 0; k < contacts.size(); ++k)
-  {
-    contacts[k]->set_time_step(step);
-    contacts[k]->begin_step(u(), contacts[k]->displacement() ? std::optional(values.places[k]) : std::nullopt, goal);
-  }
+  for (std::size_t b = 0; b < _bodies.size(); ++b)
+    _bodies[b].body->begin_step(_scheme, step, values.body_forces[b], values.body_torques[b]);
+  begin_contacts(values, step, goal);
   const std::vector<double> guess = motion.predictor();
   _body->begin_step(std::move(motion));
   if (contacts.empty()) // bodies that may touch begin where they are: contact is searched for from there
@@ -277,9 +331,23 @@ void ImplicitStepper::accept(Motion motion, const TimeValues& values)
     contact->accept_step();
   Forces present = forces(motion, values);
   _body->accept_step();
+  for (std::size_t b = 0; b < _bodies.size(); ++b)
+  {
+    ImplicitRigidBody& body = *_bodies[b].body;
+    const auto [force, torque] = force_on(b);
+    body.accept(body.solution, force, torque);
+  }
+  std::vector<std::array<double, 3>> turned;
+  for (std::size_t k = 0; k < _angles.size(); ++k)
+    turned.push_back(gap::angle_of(
+        gap::product(gap::quaternion_of(values.angles[k]), gap::inverse(gap::quaternion_of(_angles[k])))));
   _energy_balance.add_step(_equations->comm(), std::move(present), _motion.displacement, motion.displacement, _places,
-                           values.places);
+                           values.places, turned);
   _places = values.places;
+  for (const Rigid& rigid : _bodies) // their own account has their work
+    for (std::size_t k : rigid.contacts)
+      _places[k] = rigid.body->state().displacement;
+  _angles = values.angles;
   _motion = std::move(motion);
   show_motion();
   _time = values.time;
@@ -311,7 +379,7 @@ void ImplicitStepper::take_step(double goal, StepControl& control, const Solver&
     for (const auto& contact : _equations->contacts)
       before.contacts.push_back(contact->state().copy());
     update(end);
-    TimeValues values = _excitation->sample(step, end);
+    TimeValues values = sample(step, end);
     solve::Increment increment;
     try
     {
@@ -387,6 +455,11 @@ Energies ImplicitStepper::energies()
   }
   out.damping = works.damping;
   out.external = works.external;
+  for (const Rigid& rigid : _bodies)
+  {
+    out.kinetic += rigid.body->kinetic_energy();
+    out.external += rigid.body->state().work;
+  }
   return out;
 }
 } // namespace dolfinx_impact::integrators

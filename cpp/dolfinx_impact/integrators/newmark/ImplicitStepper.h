@@ -3,9 +3,11 @@
 #include "../../common/dolfinx_api.h"
 #include "../../solve/EquilibriumProblem.h"
 #include "../../solve/Increment.h"
+#include "../../solve/force_on_master.h"
 #include "../energy.h"
 #include "Excitation.h"
 #include "ImplicitEnergyBalance.h"
+#include "ImplicitRigidBody.h"
 #include "ImplicitScheme.h"
 #include "MovingBody.h"
 #include "StepControl.h"
@@ -39,6 +41,8 @@ public:
                   const ImplicitScheme& scheme, std::shared_ptr<Excitation> excitation, std::vector<double> total_mass,
                   std::shared_ptr<Function> velocity, std::shared_ptr<Function> acceleration);
 
+  /// A rigid body that moves, the master of some contacts; to be added before the start.
+  void add_body(std::shared_ptr<ImplicitRigidBody> body, std::vector<std::size_t> contacts);
   /// Evaluate contacts at the start. Collective.
   void enter_contact();
   /// Begin with the present functions: accelerations are in equilibrium with bodies, loads and springs of contact.
@@ -85,6 +89,10 @@ private:
   std::optional<double> error(const Motion& motion, double step, const StepControl& control);
   double size(std::span<const double> values) const;
   void go_back(const Before& before);
+  /// Values of functions of time, with bodies where they are.
+  TimeValues sample(std::optional<double> step, double time);
+  void begin_contacts(const TimeValues& values, double step, std::span<const double> target);
+  solve::MasterForce force_on(std::size_t body) const;
   void accept(Motion motion, const TimeValues& values);
   std::size_t num_owned() const { return _total_mass.size(); }
   std::span<double> u() const { return common::array(*_equations->u->x()); }
@@ -99,7 +107,14 @@ private:
   double _time = 0.0;
   std::int64_t _number = 0;
   ImplicitEnergyBalance _energy_balance;
+  struct Rigid
+  {
+    std::shared_ptr<ImplicitRigidBody> body;
+    std::vector<std::size_t> contacts;
+  };
+  std::vector<Rigid> _bodies;
   std::vector<std::array<double, 3>> _places; ///< displacements of rigid masters at the present time [L]
+  std::vector<std::array<double, 3>> _angles; ///< their rotation vectors [1]
   std::vector<double> _start_displacement;
   double _largest_displacement = 0.0;
   int _iterations = 0, _cut_backs = 0, _rejected = 0;

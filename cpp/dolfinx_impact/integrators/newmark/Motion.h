@@ -35,5 +35,8 @@ struct TimeValues
   std::vector<double> displacement, velocity, acceleration;
   std::vector<double> factors;               ///< amplitudes of loads [1]
   std::vector<std::array<double, 3>> places; ///< displacement of each contact's rigid master; zero for others [L]
+  std::vector<std::array<double, 3>> angles; ///< rotation vector of each contact's rigid master; zero for others [1]
+  /// External force on each rigid body that moves [F], and torque about its centre [F L].
+  std::vector<std::array<double, 3>> body_forces, body_torques;
 };
 } // namespace dolfinx_impact::integrators

@@ -120,10 +120,15 @@ class NodalPair(NodalOutput):
             pair.constant_friction("Penalty")
         if cpp_class is _cpp.nodal.KinematicContact:
             pair.refuse_rigid_body("kinematic contact")
+            pair.refuse_angle("kinematic contact does not turn a rigid master: take Penalty")
+        if getattr(problem, "axisymmetric", False):
+            pair.refuse_angle("an axisymmetric problem does not turn a rigid master")
         slave, master = pair.surfaces(V)
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if master is None else None
         if self.obstacle is not None:
             self.obstacle.displacement = list(map(float, pair.rigid_master.displacement))
+            if self.obstacle.rotates:
+                self.obstacle.rotation = pair.rigid_master.rotation_at_start(pair.name)
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
             _cpp.gap.check_side(pair.name, V._cpp_object, slave, self.obstacle)
         self._class, self.parameters = cpp_class, options

@@ -24,7 +24,8 @@ class ExplicitTie(ContactOutput):
     Args:
         pair: the pair of surfaces.
         problem: the problem.
-        options: of the tie in C++.
+        options: what was given beside the pair, by name.
+        in_cpp: options of the tie in C++.
         surfaces: this rank's facets of slave and master.
 
     Attributes:
@@ -53,14 +54,16 @@ class ExplicitTie(ContactOutput):
         self,
         pair: ContactPair,
         problem: ExplicitContactProblem,
-        options: _cpp.multipliers.TieOptions,
+        options: dict[str, Any],
+        in_cpp: _cpp.multipliers.TieOptions,
         surfaces: tuple[_cpp.surface.Facets, _cpp.surface.Facets],
     ) -> None:
         self.pair, self.problem, self._options = pair, problem, options
+        self._normal_only = in_cpp.normal_only
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
         self._surfaces = slave, master = surfaces
-        self.tie = _cpp.nodal.ExplicitTie(V._cpp_object, slave, master, options, problem.prescribed)
+        self.tie = _cpp.nodal.ExplicitTie(V._cpp_object, slave, master, in_cpp, problem.prescribed)
         self._cpp_object = _cpp.nodal.NodalPair([self.tie])
         conditions = self.tie.conditions
         self.nodes, self.weight = conditions.nodes, conditions.area
@@ -74,7 +77,7 @@ class ExplicitTie(ContactOutput):
 
     @property
     def options(self) -> dict[str, Any]:
-        return {"normal_only": self._options.normal_only, "basis": self._options.basis.name}
+        return self._options
 
     def facets(self) -> tuple[_cpp.surface.Facets, _cpp.surface.Facets]:
         return self._surfaces
@@ -110,7 +113,7 @@ class ExplicitTie(ContactOutput):
     @property
     def status(self) -> IntArray:
         """All nodes stick, or slip where they are tied along the normal alone, (n)."""
-        tied = ContactStatus.slip if self._options.normal_only else ContactStatus.stick
+        tied = ContactStatus.slip if self._normal_only else ContactStatus.stick
         return np.full(len(self.nodes), tied, dtype=np.int8)
 
     def refresh(self) -> None:

@@ -85,6 +85,11 @@ class LagrangeContact(StaticContactView):
         self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
         pair, gdim = self.pair, problem.space.mesh.geometry.dim
         pair.refuse_rigid_body("this problem", problem)
+        if pair.rigid_body is not None and pair.rigid_body.turns_in(problem):
+            raise ValueError(
+                f"{pair.name}: multipliers do not rotate a RigidBody: take Penalty, or leave out its inertia"
+            )
+        pair.refuse_angle("multipliers do not turn a rigid master: take Penalty")
         slave, facets = pair.surfaces(problem.space)
         master = facets or pair.rigid_master.shared(gdim)
         law = pair.friction if isinstance(pair.friction, FrictionLaw) else None

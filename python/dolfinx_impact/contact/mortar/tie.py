@@ -48,9 +48,8 @@ class Tie(Fixed):
             are those of the reference configuration.
         partial: leave slave nodes without a master free; else they are an error that names them.
         quadrature_degree: of the integrals over segments; None: exact on flat, affine facets.
-        basis: of the tractions in static and implicit problems: "dual" is condensed; "standard" and "linear" stay in
-            the system, as of Lagrange. On triangular facets of degree 2 the dual one has tractions that are constant
-            only, and "linear" has the order of the displacements.
+        basis: of the tractions: "dual" is condensed in static and implicit problems; "standard" and "linear" stay in
+            the system there, as of Lagrange. "linear" has multipliers at the corners of facets alone.
 
     Raises:
         TypeError: not a ContactPair.
@@ -99,6 +98,11 @@ class Tie(Fixed):
         more += "" if self.quadrature_degree is None else f", quadrature_degree={self.quadrature_degree}"
         more += "" if self.basis == "dual" else f", basis={self.basis!r}"
         return f"Tie({self.pair!r}{more})"
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """What was given beside the pair, by name."""
+        return {name: getattr(self, name) for name in ("directions", "partial", "basis", "quadrature_degree")}
 
     def options_in_cpp(self, axisymmetric: bool) -> _cpp.multipliers.TieOptions:
         """Options of the tie in C++.
@@ -165,7 +169,7 @@ class Tie(Fixed):
 
     def _bind_explicit(self, problem: ExplicitContactProblem) -> ExplicitTie:
         surfaces = self.surfaces(problem.space)
-        return ExplicitTie(self.pair, problem, self.options_in_cpp(problem.axisymmetric), surfaces)
+        return ExplicitTie(self.pair, problem, self.options, self.options_in_cpp(problem.axisymmetric), surfaces)
 
 
 class TieContact(StaticContactView):
@@ -208,8 +212,7 @@ class TieContact(StaticContactView):
 
     @property
     def options(self) -> dict[str, Any]:
-        spec = self.spec
-        return {"directions": spec.directions, "basis": spec.basis, "quadrature_degree": spec.quadrature_degree}
+        return self.spec.options
 
     def facets(self) -> tuple[Any, Any]:
         return self._surfaces

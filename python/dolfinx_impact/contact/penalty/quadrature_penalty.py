@@ -35,10 +35,13 @@ class QuadraturePenalty(StaticContactView):
         self.pair, self.problem, self.options, V = pair, problem, options, problem.space
         self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
         pair.refuse_rigid_body("this problem", problem)
+        if problem.axisymmetric:
+            pair.refuse_angle("an axisymmetric problem does not turn a rigid master")
         self.slave, self.master = pair.surfaces(V)
         self.obstacle = pair.rigid_master.obstacle(self.gdim) if self.master is None else None
         if self.obstacle is not None:
             self.obstacle.orientation_hint = pair.rigid_master.orientation_hint()
+            self.obstacle.rotates = pair.rigid_master.turns_in(problem)
         parameters = _cpp.penalty.PenaltyOptions()
         law = options.pop("law", None)
         for name, value in options.items():

@@ -47,7 +47,7 @@ from ..start_values import check_velocity, residual_bodies, velocity_or_rest
 from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
 from ...contact.names import named_apart
-from ..in_time import implicit_contact, prescribed_motion
+from ..in_time import implicit_bodies, implicit_contact, prescribed_motion
 from ..run_history import ENERGIES, RunHistory, total_energy
 from ..subject import in_time
 from ..transient_problem import TransientProblem
@@ -143,6 +143,7 @@ class NewmarkProblem(TransientProblem):
     """
 
     _cpp_object: _cpp.problems.NewmarkProblem
+    moves_rigid_bodies = True  # what RigidBody asks
     _instead = "use save and restore, or make another one on a displacement function of its own"
 
     def __init__(
@@ -266,6 +267,8 @@ class NewmarkProblem(TransientProblem):
         by_kernels = [InternalForce(form) for form in loaded.dead] if material is not None else []
         rest = loaded.other if material is not None else work
         self._work = None if rest is None else ffcx_form(rest)  # FFCx's functions are Python's
+        in_steps = [implicit_contact(c, self.functions) for c in self.contact]
+        rigid = implicit_bodies(self, self.contact, self.functions)
         self._cpp_object = _cpp.problems.NewmarkProblem(
             u._cpp_object, self.velocity._cpp_object, self.acceleration._cpp_object,
             _cpp.problems.ImplicitBody(
@@ -273,8 +276,8 @@ class NewmarkProblem(TransientProblem):
                 self.damping.alpha, None if damping_force is None else damping_force.in_cpp(),
                 None if self._work is None else self._work._cpp_object, [load.live() for load in by_kernels], scaled,
             ),
-            motions, [implicit_contact(c, self.functions) for c in self.contact], self.scheme,
-            petsc_options(options), prefix, self.axisymmetric, LIMITS, warnings_on(self.comm), self.sample,
+            motions, in_steps, self.scheme,
+            petsc_options(options), prefix, self.axisymmetric, LIMITS, warnings_on(self.comm), self.sample, rigid,
         )  # fmt: skip
         self.supports = self._cpp_object.supports.parts
         self.linear_solver = LinearSolver.of(self._cpp_object.equilibrium.linear_solver)

@@ -5,6 +5,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from dolfinx import mesh
 from flying_bodies import Flying, box, rotation
 from mpi4py import MPI
 
@@ -131,3 +132,57 @@ def check_refusals_on_all_ranks():
         assert "no facet carries the tag 9" in str(e)
     else:
         raise AssertionError("a tag without facets was not refused")
+
+
+def check_beside_rigid_bodies_ties_and_laws():
+    """One problem with all of them: two blocks that are tied, one that is thrown at their side and that nobody names, a
+    rigid ball and a law of the interface."""
+    still = (0.0, 0.0)
+    bodies = Flying(
+        [
+            ((4, 4), box((0.0, 0.0), (1.0, 1.0)), still),  # 1, tied below 2
+            ((3, 3), box((0.0, 1.0), (1.0, 2.0)), still),
+            ((4, 4), box((1.01, 0.3), (2.01, 1.3)), (-1.0, 0.0)),  # 3, finds 1 and 2
+            ((3, 3), box((0.1, -1.005), (0.9, -0.005)), (0.0, 0.8)),  # 4, against the underside of 1 by a law
+        ],
+        "quadrilateral",
+    )
+    places = {11: (1, 1, 1.0), 12: (2, 1, 1.0), 13: (2, 1, 2.0), 14: (1, 1, 0.0), 15: (4, 1, -0.005)}
+    middle = mesh.compute_midpoints(bodies.mesh, 1, bodies.tags.indices)
+    values = bodies.tags.values.copy()
+    for tag, (body, axis, place) in places.items():
+        values[(bodies.tags.values == body) & (np.abs(middle[:, axis] - place) < 1e-9)] = tag
+    tags = mesh.meshtags(bodies.mesh, 1, bodies.tags.indices, values)
+    ball = di.RigidBody(
+        di.RigidCylinder((0.5, 2.505), 0.5), mass=0.5, inertia=0.06, centre=(0.5, 2.505), velocity=(0.0, -0.7)
+    )
+    law = di.interface.linear_pressure(2e3)
+    problem = bodies.problem(
+        contact=[
+            di.Tie(di.ContactPair(tags, 12, 11)),
+            di.Penalty(di.ContactPair(tags, 13, ball)),
+            di.Penalty(di.ContactPair(tags, 15, 14), law=law),
+            di.GeneralContact(tags, friction=0.2),
+        ]
+    )
+    tie, named, by_law, general = problem.contact
+    before = bodies.momentum(problem) + 0.5 * np.array([0.0, -0.7])
+    most = np.zeros(3)
+
+    def look(_):
+        general_force = np.abs(general.traction).max(initial=0.0)
+        most[:] = np.maximum(most, [np.abs(named.force).max(), np.abs(by_law.force).max(), general_force])
+
+    problem.advance(until=0.12, dt=0.5 * problem.stable_step(), callback=look, progress=False)
+    COMM.Allreduce(MPI.IN_PLACE, most, MPI.MAX)
+    assert np.all(most > 1.0), most
+    assert COMM.allreduce(np.abs(tie.traction).max(initial=0.0), MPI.MAX) > 0.1
+    after = bodies.momentum(problem) + 0.5 * np.array(ball.velocity)[:2]
+    np.testing.assert_allclose(after, before, rtol=0.0, atol=1e-12)
+    assert bodies.mean_velocity(problem, 2)[0] > -0.9 and ball.velocity[1] > -0.6
+    # Springs without a law are exact; the law's moment corrections and last half steps are not.
+    assert abs(problem.energy["drift"]) < 1e-3
+    # The tied surfaces, and those of the other pairs, are left out.
+    inner = np.abs(general.points[:, 1] - 1.0) < 0.02
+    inside = inner & (general.points[:, 0] > 0.2) & (general.points[:, 0] < 0.8)
+    assert not np.any(general.traction[inside])

@@ -1,0 +1,607 @@
+// SPDX-License-Identifier: MIT
+#include "GeneralContact.h"
+#include "contact_springs.h"
+#include <algorithm>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+namespace impact_reference
+{
+namespace
+{
+// Parts of the height of the cells: a spring begins no deeper without having been in front, and no deeper at all.
+constexpr double shallow = 0.05, deepest = 0.5;
+// Facets that face each other, and those to which a closed node may slide: cosine of the angle between normals.
+constexpr double facing = -0.1, sliding = 0.6;
+constexpr double sharp = 0.94, least_sine = 0.1, slack = 0.02, inside_factor = 2, cells_behind = 3, equally_near = 1e-9;
+
+// A node that is between the corners of a triangle or on its rim: weights of the three.
+std::array<double, 3> on_segment(const Vec<double>& a, const Vec<double>& b, const Vec<double>& x)
+{
+  const double s = std::clamp(dot(x - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
+  return {1 - s, s, 0};
+}
+
+std::array<double, 3> on_triangle(const std::array<Vec<double>, 3>& y, const Vec<double>& x)
+{
+  const Vec<double> area = cross(y[1] - y[0], y[2] - y[0]);
+  std::array<double, 3> best;
+  for (int k = 0; k < 3; ++k)
+    best[k] = dot(cross(y[(k + 1) % 3] - x, y[(k + 2) % 3] - x), area) / dot(area, area);
+  if (*std::min_element(best.begin(), best.end()) > 0)
+    return best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k)
+  {
+    const auto w = on_segment(y[k], y[(k + 1) % 3], x);
+    const double distance = norm(x - w[0] * y[k] - w[1] * y[(k + 1) % 3]);
+    if (not(distance < least))
+      continue;
+    least = distance;
+    best[k] = w[0];
+    best[(k + 1) % 3] = w[1];
+    best[(k + 2) % 3] = 0;
+  }
+  return best;
+}
+} // namespace
+
+GeneralContact::GeneralContact(const Model& model, Surface outside, NodalStiffness stiffness, const Vector& mass,
+                               double friction)
+    : model_(model), outside_(std::move(outside)), stiffness_(std::move(stiffness)), mass_(mass), friction_(friction)
+{
+  if (outside_.degree != 1 or outside_.geometry_degree != 1 or outside_.axisymmetric)
+    throw std::invalid_argument("contact without pairs is for straight facets of degree 1, in the plane and in space");
+  areas_ = nodal_areas(outside_);
+  for (int f = 0; f < int(outside_.facets.size()); ++f)
+  {
+    const Facet& facet = outside_.facets[f];
+    const double height = height_behind(model_, outside_, facet);
+    for (std::size_t k = 0; k < facet.nodes.size(); ++k)
+    {
+      const std::int64_t node = facet.nodes[k];
+      facets_[node].push_back(f);
+      rest_[node] = get(facet.X, std::int64_t(k));
+      height_[node] = height_.contains(node) ? std::min(height_[node], height) : height;
+    }
+  }
+  for (const auto& [node, area] : areas_)
+    nodes_.push_back(node);
+  find_bodies();
+  if (model_.gdim() == 3)
+    find_edges();
+  clear();
+}
+
+void GeneralContact::clear()
+{
+  const double dissipated = answer_.dissipated, absorbed = answer_.absorbed;
+  const auto count = std::int64_t(nodes_.size());
+  const Vector zero = Vector::Zero(model_.num_dofs());
+  const Matrix rows = Matrix::Zero(count, model_.gdim());
+  answer_ = {zero,
+             zero,
+             {},
+             {},
+             Vector::Constant(count, std::numeric_limits<double>::infinity()),
+             rows,
+             rows,
+             std::vector<ContactStatus>(count, ContactStatus::open)};
+  answer_.dissipated = dissipated;
+  answer_.absorbed = absorbed;
+}
+
+void GeneralContact::find_bodies()
+{
+  // Cells that share nodes belong to one body; its number is that of its first node.
+  body_.resize(model_.field().points.rows());
+  std::iota(body_.begin(), body_.end(), 0);
+  for (bool changed = true; changed;)
+  {
+    changed = false;
+    for (std::int64_t c = 0; c < model_.num_cells(); ++c)
+    {
+      const auto all = model_.cell_nodes(c);
+      std::int64_t least = body_[all[0]];
+      for (auto node : all)
+        least = std::min(least, body_[node]);
+      for (auto node : all)
+      {
+        changed |= body_[node] != least;
+        body_[node] = least;
+      }
+    }
+  }
+}
+
+void GeneralContact::find_edges()
+{
+  std::map<std::set<std::int64_t>, std::vector<std::pair<int, int>>> sides;
+  for (int f = 0; f < int(outside_.facets.size()); ++f)
+  {
+    const auto& nodes = outside_.facets[f].nodes;
+    for (int k = 0; k < int(nodes.size()); ++k)
+      sides[{nodes[k], nodes[(k + 1) % nodes.size()]}].push_back({f, k});
+  }
+  for (const auto& [ends, places] : sides)
+    if (places.size() == 2)
+    {
+      const auto& [f, k] = places[0];
+      const auto& nodes = outside_.facets[f].nodes;
+      edges_.push_back({{nodes[k], nodes[(k + 1) % nodes.size()]}, {f, places[1].first}, {k, places[1].second}});
+    }
+  const Vector rest = Vector::Zero(model_.num_dofs());
+  for (std::size_t i = 0; i < edges_.size(); ++i)
+    for (std::size_t j = i + 1; j < edges_.size(); ++j)
+    {
+      const Edge &a = edges_[i], &b = edges_[j];
+      if (std::set{a.nodes[0], a.nodes[1], b.nodes[0], b.nodes[1]}.size() < 4)
+        continue;
+      const Crossing found = cross_edges(a, b, rest);
+      if (not(body_[a.nodes[0]] == body_[b.nodes[0]] and found.valid and found.gap < 0)) // the far side of a thin body
+        edge_springs_[{i, j}] = {};
+    }
+}
+
+Vec<double> GeneralContact::at(const Vector& field, std::int64_t node) const
+{
+  Vec<double> out;
+  for (int c = 0; c < model_.gdim(); ++c)
+    out[c] = field(model_.gdim() * node + c);
+  return out;
+}
+
+GeneralContact::Corners GeneralContact::corners(int facet, const Vector& u) const
+{
+  Corners out;
+  for (auto node : outside_.facets[facet].nodes)
+    out.push_back(rest_.at(node) + at(u, node));
+  return out;
+}
+
+Vec<double> GeneralContact::side_normal(int facet, int side, const Vector& u) const
+{
+  const Corners y = corners(facet, u);
+  if (y.size() == 2)
+    return unit(cross(y[1] - y[0], {0, 0, 1}));
+  if (y.size() == 3)
+    return unit(cross(y[1] - y[0], y[2] - y[0]));
+  const Vec<double> middle = 0.25 * (y[0] + y[1] + y[2] + y[3]);
+  return unit(cross(y[(side + 1) % 4] - y[side], middle - y[side]));
+}
+
+GeneralContact::Closest GeneralContact::closest(int facet, const Vec<double>& x, const Vector& u) const
+{
+  const Corners y = corners(facet, u);
+  const int n = int(y.size());
+  Closest best;
+  if (n == 2)
+  {
+    const auto w = on_segment(y[0], y[1], x);
+    best.weights = {w[0], w[1]};
+    best.away = x - w[0] * y[0] - w[1] * y[1];
+    best.distance = norm(best.away);
+    best.n = side_normal(facet, 0, u);
+    best.flat = w[0] > 0 and w[1] > 0;
+    if (not best.flat)
+      best.ends = {w[0] > 0 ? 0 : 1};
+    return best;
+  }
+  for (int j = 0; j < (n == 4 ? 4 : 1); ++j)
+  {
+    const int of[2] = {j, (j + 1) % n};
+    const Vec<double> third = n == 4 ? 0.25 * (y[0] + y[1] + y[2] + y[3]) : y[2];
+    const auto w = on_triangle({y[of[0]], y[of[1]], third}, x);
+    const Vec<double> away = x - w[0] * y[of[0]] - w[1] * y[of[1]] - w[2] * third;
+    if (not(norm(away) < best.distance))
+      continue;
+    best = {norm(away), away, unit(cross(y[of[1]] - y[of[0]], third - y[of[0]])), std::vector<double>(n, 0.0),
+            true,       {}};
+    for (int k = 0; k < 2; ++k)
+      best.weights[of[k]] += w[k];
+    for (int k = 0; k < n; ++k)
+      best.weights[k] += n == 4 ? 0.25 * w[2] : k == 2 ? w[2] : 0.0;
+    best.flat = w[0] > 0 and w[1] > 0 and w[2] > 0;
+    if (n == 3 ? not best.flat : w[2] == 0)
+      for (int k = 0; k < n; ++k)
+        if (best.weights[k] > 0)
+          best.ends.push_back(k);
+  }
+  return best;
+}
+
+// Is a point that is closest to a side or a corner behind all facets there, and no closer to them?
+bool GeneralContact::inside(int facet, const Closest& found, const Vec<double>& x, const Vector& u) const
+{
+  std::vector<std::int64_t> ends;
+  for (int k : found.ends)
+    ends.push_back(outside_.facets[facet].nodes[k]);
+  for (int other : facets_.at(ends[0]))
+  {
+    const auto& nodes = outside_.facets[other].nodes;
+    const int n = int(nodes.size());
+    int side = int(std::find(nodes.begin(), nodes.end(), ends[0]) - nodes.begin());
+    if (ends.size() == 2)
+    {
+      if (nodes[(side + n - 1) % n] == ends[1])
+        side = (side + n - 1) % n;
+      else if (nodes[(side + 1) % n] != ends[1])
+        continue;
+    }
+    if (other == facet)
+      continue;
+    const double distance = closest(other, x, u).distance;
+    if (not(dot(found.away, side_normal(other, side, u)) < 0) or
+        distance * distance < (1 - equally_near) * found.distance * found.distance)
+      return false;
+  }
+  return true;
+}
+
+bool GeneralContact::faces(std::int64_t node, const Vec<double>& n, const Vector& u) const
+{
+  for (int own : facets_.at(node))
+  {
+    const auto& nodes = outside_.facets[own].nodes;
+    const int corner = int(std::find(nodes.begin(), nodes.end(), node) - nodes.begin());
+    if (dot(side_normal(own, corner, u), n) < facing)
+      return true;
+  }
+  return false;
+}
+
+// Is the facet the far side of the node's own body?
+bool GeneralContact::far_side(std::int64_t node, int facet) const
+{
+  const auto& nodes = outside_.facets[facet].nodes;
+  if (body_[node] != body_[nodes[0]])
+    return false;
+  const Closest found = closest(facet, rest_.at(node), Vector::Zero(model_.num_dofs()));
+  const double height = height_.at(nodes[0]);
+  return dot(found.away, found.n) < -1e-6 * height and found.distance < cells_behind * height;
+}
+
+double GeneralContact::compliance(std::int64_t node, double dt) const
+{
+  const double r = 1 / (0.9 * 0.9) - 1;
+  return 1 / std::min(stiffness_.at(node), 4 * r * mass_(model_.gdim() * node) / (dt * dt));
+}
+
+GeneralContact::Meeting GeneralContact::meet(std::int64_t node, const Spring& spring, const ContactStep& step) const
+{
+  const Vec<double> x = rest_.at(node) + at(step.u, node), moved = at(step.moved, node);
+  double size = 0;
+  for (int c = 0; c < 3; ++c)
+    size += std::abs(rest_.at(node)[c]) + std::abs(at(step.u, node)[c]);
+  const double rounding = 4 * std::numeric_limits<double>::epsilon() * size;
+  Meeting best;
+  for (int f = 0; f < int(outside_.facets.size()); ++f)
+  {
+    const auto& nodes = outside_.facets[f].nodes;
+    double height = std::numeric_limits<double>::infinity();
+    for (auto corner : nodes)
+      height = std::min(height, height_.at(corner));
+    // Beyond this distance nothing can touch: facets that are not near cost no more than this comparison.
+    const double reach = height + 2.1 * fastest_ + rounding;
+    if (norm(x - rest_.at(nodes[0]) - at(step.u, nodes[0])) > reach + longest_)
+      continue;
+    if (std::find(nodes.begin(), nodes.end(), node) != nodes.end())
+      continue;
+    const Closest found = closest(f, x, step.u);
+    if (found.distance > reach or far_side(node, f))
+      continue;
+    const bool front = not(dot(found.away, found.n) < 0);
+    if (front ? not found.ends.empty() : not found.ends.empty() and not inside(f, found, x, step.u))
+      continue;
+    if (spring.closed ? dot(found.n, spring.n) < sliding : not faces(node, found.n, step.u))
+      continue;
+    const double far = found.distance <= rounding ? 0.0 : found.distance;
+    const double gap = front ? (found.flat ? dot(found.away, found.n) : far) : -far;
+    if (spring.closed)
+    {
+      if (std::abs(gap - spring.gap) > 2.1 * fastest_ + rounding or -gap > height)
+        continue;
+    }
+    else if (-gap > shallow * height)
+    {
+      const Closest last = closest(f, x - moved, step.u - step.moved);
+      const double before = dot(last.away, last.n);
+      if (-gap > deepest * height or before <= -shallow * height or not(last.ends.empty() or before > 0))
+        continue;
+    }
+    // The nearest counts, of equally near ones the first; of an open node what is behind before what is in front.
+    const bool nearer = std::abs(gap) < (1 - equally_near) * std::abs(best.gap);
+    const bool better = spring.closed or (gap < 0) == (best.gap < 0) ? nearer : gap < 0;
+    if (not better)
+      continue;
+    best = {};
+    best.gap = gap;
+    best.n = found.flat or far == 0 ? found.n : ((front ? 1 : -1) / found.distance) * found.away;
+    best.first = x;
+    best.second = x - found.away;
+    best.shares = {{node, 1.0}};
+    double others = 0;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+    {
+      best.shares.push_back({nodes[k], -found.weights[k]});
+      best.turning.push_back(nodes[k]);
+      others += found.weights[k] * std::max(1.0, areas_.at(nodes[k]) / areas_.at(node)) * compliance(nodes[k], step.dt);
+    }
+    best.stiffness = 0.5 / (compliance(node, step.dt) + others);
+  }
+  return best;
+}
+
+GeneralContact::Crossing GeneralContact::cross_edges(const Edge& a, const Edge& b, const Vector& u) const
+{
+  Crossing out;
+  const Edge* edges[2] = {&a, &b};
+  Vec<double> start[2], along[2];
+  for (int k = 0; k < 2; ++k)
+  {
+    const auto& nodes = edges[k]->nodes;
+    start[k] = rest_.at(nodes[0]) + at(u, nodes[0]);
+    along[k] = rest_.at(nodes[1]) + at(u, nodes[1]) - start[k];
+  }
+  const Vec<double> common = cross(along[0], along[1]);
+  if (norm(common) <= least_sine * norm(along[0]) * norm(along[1]))
+    return out;
+  out.n = unit(common);
+  // start[0] + at[0] along[0] - start[1] - at[1] along[1] is along n.
+  Eigen::Matrix3d A;
+  Eigen::Vector3d rhs;
+  for (int c = 0; c < 3; ++c)
+  {
+    A(c, 0) = along[0][c];
+    A(c, 1) = -along[1][c];
+    A(c, 2) = -out.n[c];
+    rhs(c) = start[1][c] - start[0][c];
+  }
+  const Eigen::Vector3d solution = A.partialPivLu().solve(rhs);
+  out.gap = solution(2);
+  for (int k = 0; k < 2; ++k)
+  {
+    out.at[k] = solution(k);
+    out.points[k] = start[k] + out.at[k] * along[k];
+  }
+  if (std::min({out.at[0], out.at[1], 1 - out.at[0], 1 - out.at[1]}) <= 0)
+    return out;
+  const Vec<double> outward = side_normal(b.facets[0], b.sides[0], u) + side_normal(b.facets[1], b.sides[1], u);
+  if (dot(out.n, outward) < 0)
+  {
+    out.n = -1.0 * out.n;
+    out.gap = -out.gap;
+  }
+  for (int k = 0; k < 2; ++k)
+  {
+    Vec<double> n[2], into[2];
+    for (int side = 0; side < 2; ++side)
+    {
+      n[side] = side_normal(edges[k]->facets[side], edges[k]->sides[side], u);
+      into[side] = unit(cross(n[side], (side == 0 ? 1.0 : -1.0) * along[k]));
+    }
+    if (dot(n[0], n[1]) >= sharp or dot(into[0], n[1]) > 0)
+      return out;
+    for (const Vec<double>& way : into)
+      if ((k == 0 ? -1 : 1) * dot(out.n, way) > slack)
+        return out;
+  }
+  out.valid = true;
+  return out;
+}
+
+GeneralContact::Meeting GeneralContact::meet(const Edge& a, const Edge& b, const Spring& spring,
+                                             const ContactStep& step) const
+{
+  Crossing now = cross_edges(a, b, step.u);
+  Meeting m;
+  if (not now.valid)
+    return m;
+  const std::int64_t nodes[4] = {a.nodes[0], a.nodes[1], b.nodes[0], b.nodes[1]};
+  if (now.gap < 0)
+  {
+    double height = std::numeric_limits<double>::infinity(), size = 0;
+    for (int k = 0; k < 4; ++k)
+    {
+      height = std::min(height, height_.at(nodes[k]));
+      const Vec<double> x = rest_.at(nodes[k]) + at(step.u, nodes[k]);
+      if (k < 2)
+        size += std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
+    }
+    for (int k = 0; k < 2; ++k)
+    {
+      const Vec<double> along =
+          rest_.at(nodes[2 * k + 1]) + at(step.u, nodes[2 * k + 1]) - rest_.at(nodes[2 * k]) - at(step.u, nodes[2 * k]);
+      if (std::min(now.at[k], 1 - now.at[k]) * norm(along) <= -inside_factor * now.gap)
+        return m;
+    }
+    if (now.gap > -4 * std::numeric_limits<double>::epsilon() * size)
+      now.gap = 0;
+    if (not spring.closed and -now.gap > shallow * height)
+    {
+      const Crossing before = cross_edges(a, b, step.u - step.moved);
+      if (-now.gap >= deepest * height or not before.valid or before.gap <= -shallow * height)
+        return m;
+    }
+  }
+  if (spring.closed and dot(now.n, spring.n) < sliding)
+    return m;
+  double sum = 0;
+  for (int k = 0; k < 4; ++k)
+  {
+    const double w = k % 2 == 0 ? 1 - now.at[k / 2] : now.at[k / 2];
+    m.shares.push_back({nodes[k], k < 2 ? w : -w});
+    m.turning.push_back(nodes[k]);
+    sum += w * compliance(nodes[k], step.dt);
+  }
+  m.gap = now.gap;
+  m.n = now.n;
+  m.first = now.points[0];
+  m.second = now.points[1];
+  m.stiffness = 0.5 / sum;
+  return m;
+}
+
+// Force of a spring in a step, its energies, and what it keeps.
+ContactStatus GeneralContact::advance(Spring& spring, const Meeting& m, const ContactStep& step)
+{
+  const Spring last = spring;
+  const bool met = std::isfinite(m.gap);
+  const auto sum_of = [&](const std::vector<Share>& shares)
+  {
+    Vec<double> sum;
+    for (const auto& [node, w] : shares)
+      sum = sum + w * at(step.moved, node);
+    return sum;
+  };
+  // Rotation and moments are those of the nodes about their mean.
+  const Vec<double> lever = m.second - m.first;
+  std::vector<Vec<double>> y;
+  Eigen::Matrix3d J = Eigen::Matrix3d::Zero();
+  Vec<double> moved = met ? sum_of(m.shares) : Vec<double>{};
+  const auto turn_of = [&](const Vec<double>& moment)
+  {
+    if (model_.gdim() == 2)
+      return Vec<double>{0, 0, moment[2] / J(2, 2)};
+    const Eigen::Vector3d w = J.partialPivLu().solve(Eigen::Vector3d(moment[0], moment[1], moment[2]));
+    return Vec<double>{w(0), w(1), w(2)};
+  };
+  if (met and friction_ > 0)
+  {
+    Vec<double> middle, moment;
+    const double part = 1 / double(m.turning.size());
+    for (auto node : m.turning)
+      middle = middle + part * (rest_.at(node) + at(step.u, node));
+    for (auto node : m.turning)
+    {
+      y.push_back(rest_.at(node) + at(step.u, node) - middle);
+      moment = moment + cross(y.back(), at(step.moved, node));
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          J(i, j) += (i == j ? dot(y.back(), y.back()) : 0.0) - y.back()[i] * y.back()[j];
+    }
+    moved = moved + cross(turn_of(moment), lever);
+  }
+  const double r = met ? dot(m.n, moved) : 0;
+  if (met and not last.closed)
+    spring.offset = step.n == 0 ? 0.0 : std::max(0.0, r - m.gap);
+  const double gap = m.gap + spring.offset, delta = met ? overlap(gap, r) : 0;
+  spring.closed = delta > 0;
+  spring.gap = m.gap;
+
+  // What the last force has done in this step, at its points and along its normal.
+  Vec<double> there = last.closed ? sum_of(last.shares) : Vec<double>{};
+  double turned = 0;
+  for (const auto& [node, f] : last.turning)
+    turned += dot(f, at(step.moved, node));
+  const double k = spring.closed ? m.stiffness : last.stiffness;
+  double stored = 0;
+  if (last.closed)
+    stored = last.normal * last.normal / (2 * last.stiffness);
+  else if (spring.closed)
+    stored = k * std::pow(std::max(0.0, r - gap), 2) / 2;
+  const double a = last.e + stored - last.normal * dot(last.n, there) / 2;
+  const double b = dot(last.t, last.t) / (2 * last.stiffness) - (dot(last.t, there) + turned) / 2;
+  spring.shares.clear();
+  spring.turning.clear();
+  spring.normal = 0;
+  spring.t = {};
+  if (not spring.closed)
+  {
+    spring.slip = {};
+    if (last.closed)
+    {
+      answer_.absorbed += a - last.e;
+      spring.e = std::min(0.0, a);
+      answer_.dissipated += b;
+      spring.q = std::min(0.0, last.q + b);
+    }
+    return ContactStatus::open;
+  }
+  spring.stiffness = k;
+  spring.n = m.n;
+  spring.shares = m.shares;
+  spring.normal = normal_force(k, delta, gap, r, a, stored);
+  spring.e = a - spring.normal * (r + spring.normal / k) / 2;
+  answer_.absorbed += spring.e - last.e;
+  answer_.stored += spring.normal * spring.normal / (2 * k);
+  ContactStatus status = ContactStatus::slip;
+  if (friction_ > 0)
+  {
+    const double bound = friction_ * spring.normal;
+    const Vec<double> t_rotated = rotated(last.t, m.n), across = moved - r * m.n;
+    const Vec<double> along = part_below(gap, r) * across, trial = t_rotated - k * along;
+    spring.t = cut_to(trial, bound);
+    bool slips = norm(trial) > bound;
+    const double round_off = 1e-12 * (dot(last.t, last.t) / (2 * last.stiffness) + dot(spring.t, spring.t) / k);
+    if (last.q + tangential_change(spring.t, k, across, b) < -round_off)
+    {
+      slips = true;
+      const Vec<double> centre = (-k / 2) * across;
+      const double radius = std::sqrt(std::max(0.0, dot(centre, centre) + 2 * k * (last.q + b)));
+      spring.t = cut_to(centre + cut_to(spring.t - centre, radius), bound);
+    }
+    if (slips)
+      spring.slip = spring.slip + along + (1 / k) * (spring.t - t_rotated);
+    else
+      status = ContactStatus::stick;
+    const double more = tangential_change(spring.t, k, across, b);
+    spring.q = std::min(0.0, last.q + more);
+    answer_.dissipated += more;
+    answer_.stored += dot(spring.t, spring.t) / (2 * k);
+  }
+  const auto add = [&](Vector& to, std::int64_t node, const Vec<double>& f)
+  {
+    for (int c = 0; c < model_.gdim(); ++c)
+      to(model_.gdim() * node + c) += f[c];
+  };
+  const Vec<double> f = spring.normal * m.n + spring.t;
+  for (const auto& [node, w] : m.shares)
+  {
+    add(answer_.force, node, w * f);
+    add(answer_.tangential, node, w * spring.t);
+  }
+  if (dot(spring.t, spring.t) > 0)
+  {
+    const Vec<double> omega = turn_of(cross(lever, f));
+    for (std::size_t j = 0; j < y.size(); ++j)
+    {
+      spring.turning.push_back({m.turning[j], cross(omega, y[j])});
+      add(answer_.force, m.turning[j], spring.turning.back().second);
+    }
+  }
+  return status;
+}
+
+void GeneralContact::before(const ContactStep& step)
+{
+  clear();
+  Vec<double> mean;
+  for (auto node : nodes_)
+    mean = mean + (1 / double(nodes_.size())) * at(step.moved, node);
+  fastest_ = longest_ = 0;
+  for (auto node : nodes_)
+    fastest_ = std::max(fastest_, norm(at(step.moved, node) - mean));
+  for (int f = 0; f < int(outside_.facets.size()); ++f)
+    for (const Corners y = corners(f, step.u); const Vec<double>& one : y)
+      longest_ = std::max(longest_, norm(one - y[0]));
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+  {
+    Spring& spring = springs_[nodes_[i]];
+    const Meeting m = meet(nodes_[i], spring, step);
+    answer_.status[i] = advance(spring, m, step);
+    if (spring.closed)
+      answer_.gap(std::int64_t(i)) = m.gap;
+    put(answer_.traction, std::int64_t(i), spring.t);
+    put(answer_.slip, std::int64_t(i), spring.slip);
+  }
+  std::vector<bool> is_sharp;
+  for (const Edge& edge : edges_)
+    is_sharp.push_back(dot(side_normal(edge.facets[0], edge.sides[0], step.u),
+                           side_normal(edge.facets[1], edge.sides[1], step.u)) < sharp);
+  for (auto& [pair, spring] : edge_springs_)
+    if (const auto& [i, j] = pair; (is_sharp[i] and is_sharp[j]) or spring.closed)
+      advance(spring, meet(edges_[i], edges_[j], spring, step), step);
+}
+} // namespace impact_reference
