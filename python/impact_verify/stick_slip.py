@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import impact_reference
 import numpy as np
@@ -17,8 +18,8 @@ from .report import Report
 
 # The block, its floor, and its steps.
 HEIGHT, BLOCK, FLOOR, ROUND, ROUNDS = 0.25, 1e6, 0.4, 0.05, 60
-# The block is 1e6 times stiffer than its springs. As it comes to rest on the floor it shears to and fro, by 1e-3 of what
-# friction would shear it by at rest, undamped, which decides when it slips again.
+# The block is 1e6 times stiffer than its springs. As it comes to rest on the floor it begins to shear to and fro, by
+# 1e-3 of its motion's size at most, undamped; this decides when it slips again.
 STICK_SLIP = 1e-3
 STICK_SLIP_REASON = "the block, 1e6 times stiffer than its springs, shears to and fro while it sticks"
 
@@ -45,7 +46,7 @@ def compare(report: Report, gdim: int, cell: str) -> None:
     """
     count, size = np.ones(gdim, dtype=int), np.full(gdim, 1.0)
     size[-1] = HEIGHT
-    domain = mesh.create_rectangle if gdim == 2 else mesh.create_box
+    domain: Any = mesh.create_rectangle if gdim == 2 else mesh.create_box
     block = domain(MPI.COMM_SELF, [np.zeros(gdim), size], count, mesh.CellType[cell])
     sides = [
         mesh.locate_entities_boundary(block, gdim - 1, lambda x, z=z: np.isclose(x[gdim - 1], z)) for z in (0, HEIGHT)

@@ -48,8 +48,8 @@ class Pair(Protocol):
         """Whether the master is a rigid obstacle."""
 
     @property
-    def friction(self) -> float:
-        """Friction coefficient [1]."""
+    def friction(self) -> Any:
+        """Friction coefficient, or a law with an `identity` [1]."""
 
     @property
     def search_distance(self) -> float | None:

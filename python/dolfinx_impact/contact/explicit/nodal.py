@@ -3,8 +3,6 @@
 
 from typing import Any, cast
 
-import numpy as np
-
 from ... import _cpp
 from ...amplitude import Amplitude
 from ...common.arguments import integer

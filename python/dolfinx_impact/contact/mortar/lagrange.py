@@ -92,12 +92,13 @@ class LagrangeContact(StaticContactView):
         pair.refuse_angle("multipliers do not turn a rigid master: take Penalty")
         slave, facets = pair.surfaces(problem.space)
         master = facets or pair.rigid_master.shared(gdim)
-        law = pair.friction if isinstance(pair.friction, FrictionLaw) else None
+        law = pair.friction.in_cpp(problem.space) if isinstance(pair.friction, FrictionLaw) else None
+        friction = 0.0 if isinstance(pair.friction, FrictionLaw) else pair.friction
         options = _cpp.multipliers.MortarOptions(
-            name=pair.name, friction=0.0 if law else pair.friction, basis=getattr(_cpp.gap.Multipliers, spec.basis),
+            name=pair.name, friction=friction, basis=getattr(_cpp.gap.Multipliers, spec.basis),
             quadrature_degree=spec.quadrature_degree, search_distance=pair.search_distance or 0.0,
             axisymmetric=problem.axisymmetric, adjustment=pair.adjustment,
-            may_share_nodes=self.may_share_nodes, friction_law=law and law.in_cpp(problem.space),
+            may_share_nodes=self.may_share_nodes, friction_law=law,
         )  # fmt: skip
         self._cpp_object = self._in_cpp(
             problem.space._cpp_object, slave, master, options, problem.fixed,

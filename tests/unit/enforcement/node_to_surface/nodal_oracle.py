@@ -186,7 +186,7 @@ def across(v, n):
 
 def carried(masters, x, phi, du):
     """How much more x moves than the point on the facet if it turns with the facet's nodes, by least squares."""
-    dim, num = masters.shape[1], len(masters)
+    dim = masters.shape[1]
     r = masters - masters.mean(axis=0)
     spins = [np.array([[-a[1]], [a[0]]]) if dim == 2 else np.cross(np.eye(3), a).T for a in r]  # x a
     spin = np.linalg.lstsq(np.vstack(spins), (du - du.mean(axis=0)).reshape(-1), rcond=None)[0]
