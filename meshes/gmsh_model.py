@@ -129,19 +129,13 @@ def generate(layout, cell, degree):
     gmsh.model.mesh.generate(dim)
     if simplices_follow and dim == 3:
         match_diagonals(surfaces.values())
-    for body in layout.bodies:
-        for function, straight in body.maps:
-            if straight:
-                move(dim, groups[body.name], function)
+    move_bodies(dim, layout, groups, True)
     if degree > 1:
         gmsh.model.mesh.setOrder(degree)
-    for body in layout.bodies:
-        for function, straight in body.maps:
-            if not straight:
-                move(dim, groups[body.name], function)
+    move_bodies(dim, layout, groups, False)
     for name, function in layout.snap.items():
         if name in groups:
-            move(dim - 1, groups[name], function)
+            move(dim - 1, [groups[name]], function)
     check_cells(dim)
     cell_nodes_first(dim)
 
@@ -179,9 +173,21 @@ def match_diagonals(surfaces):
         gmsh.model.mesh.generate(3)
 
 
-def move(dim, group, function):
-    """Move the nodes of a physical group: x -> function(x), arrays of shape (n, 3)."""
-    nodes, x = gmsh.model.mesh.getNodesForPhysicalGroup(dim, group)
+def move_bodies(dim, layout, groups, straight):
+    """Move the nodes of the bodies by their maps. A node that bodies with the same map share moves once."""
+    maps = {}
+    for body in layout.bodies:
+        for function, of_vertices in body.maps:
+            if of_vertices == straight:
+                maps.setdefault(function, []).append(groups[body.name])
+    for function, of in maps.items():
+        move(dim, list(dict.fromkeys(of)), function)
+
+
+def move(dim, groups, function):
+    """Move the nodes of physical groups: x -> function(x), arrays of shape (n, 3)."""
+    found = [gmsh.model.mesh.getNodesForPhysicalGroup(dim, group) for group in groups]
+    nodes, x = (np.concatenate(parts) for parts in zip(*found))
     nodes, unique = np.unique(nodes, return_index=True)
     x = x.reshape(-1, 3)[unique]
     for node, old, new in zip(nodes, x, function(x.copy())):

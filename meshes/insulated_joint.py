@@ -188,11 +188,10 @@ def insulated_joint_3d(
         along = [(-bar_length / 2, end), (left, fine), (right, fine), (bar_length / 2, end)]
         layout.merge(_extruded(plan, along, outer))
     if head_profile is not None:
-        mapped = set()
+        to_profile = profiled(head_profile, crown_radius)
         for body in layout.bodies:
-            if body.name not in mapped and body.name in (*ENDS, "end_post"):
-                body.map(profiled(head_profile, crown_radius))
-            mapped.add(body.name)
+            if body.name in (*ENDS, "end_post"):
+                body.map(to_profile)
     layout.made_of = ("hexahedron",)  # gmsh's free tetrahedra do not fill the thin layers of glue well
     _add_wheel(layout, h, path, margin, whole, wheel_x, wheel_gap, wheel_radius, hub_radius, wheel_width, cone, fillet)
     return layout

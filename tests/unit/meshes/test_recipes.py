@@ -241,3 +241,21 @@ def test_bad_parameters(name, parameters, words):
     with pytest.raises(ValueError) as caught:
         meshes.make(name, MPI.COMM_SELF, **parameters)
     assert words in str(caught.value)
+
+
+def test_the_profile_of_a_head_is_the_same_along_the_joint():
+    """Nodes that rails and end post share move once: along a line of the tread the height is that of the profile."""
+    y = np.linspace(-0.036, 0.036, 9)
+    profile = [(float(v), float(-15.0 * v**2)) for v in y]
+    small = {"h": 10e-3, "coarse": 0.1, "rail_length": 0.5, "bar_length": 0.3, "symmetry": "none"}
+    m = meshes.make("insulated_joint_3d", MPI.COMM_SELF, head_profile=profile, **small)
+    x = m.mesh.geometry.x
+    tops = {}
+    for body in ("master_body", "end_post", "second_rail"):
+        nodes = np.unique(compat.geometry_dofmap(m.mesh)[m.cell_tags.find(m.tags[body])])
+        inner = x[nodes][np.abs(x[nodes, 1]) < 1e-9]  # the middle of the head, where the profile is zero
+        tops[body] = inner[inner[:, 2] > -1e-3]
+        assert len(tops[body]) >= 2 and np.abs(tops[body][:, 2]).max() < 1e-12, body
+        side = x[nodes][np.abs(x[nodes, 1] - 0.036) < 1e-6]
+        assert side[:, 2].max() == pytest.approx(-15.0 * 0.036**2, abs=1e-9), body
+    assert np.abs(tops["end_post"][:, 0]).max() == pytest.approx(4e-3)
