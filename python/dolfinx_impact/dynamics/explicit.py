@@ -219,8 +219,10 @@ class ExplicitProblem(TransientProblem):
         integrator, safe = self._cpp_object.integrator, self._cpp_object.safe_step
         inputs = Inputs(self.comm, integrator, bodies.terms, self.dead_loads, bodies.frequencies, safe.changes)
         self._history = RunHistory(len(self.contact), mesh.geometry.dim, self._cpp_object.history)
+        # Springs between rigid bodies are among those of contacts, and nothing deforms beside them: no share is judged.
+        met = [c.pair.rigid_body.meets for c in self.contact if c.pair.rigid_body is not None]
         share = PenetrationShare(
-            u, material, self.loads, [c.is_penalty for c in self.contact],
+            u, material, self.loads, [c.is_penalty and not any(met) for c in self.contact],
             from_rest=not bodies.linear and not self.has_history,
         )  # fmt: skip
         self._state = CurrentState(
