@@ -307,8 +307,9 @@ void KinematicContact::begin_friction(const PredictedStep& step, const Corrected
     const double* n = closed.normal;
     double before[D];
     relative_to_master<D>(q, nodes.before.data(), before);
+    // The facet turns by about as much in this step as in the one before.
     for (int c = 0; c < D; ++c)
-      before[c] -= _rigid ? _obstacle_before.increment[c] : 0.0;
+      before[c] += _turn[q * D + c] - (_rigid ? _obstacle_before.increment[c] : 0.0);
     const double along = dot(n, before, D);
     for (int c = 0; c < D; ++c)
     {
