@@ -133,9 +133,11 @@ def call(function: Part | float | None, given: Mapping[str, Any], what: str) -> 
     """
     assert callable(function)
     try:
-        wanted = list(inspect.signature(function).parameters)
+        parameters = inspect.signature(function).parameters
     except (TypeError, ValueError) as e:
         raise TypeError(f"the arguments of `{what}` of a law cannot be found out: write it as a Python function") from e
+    # An argument of another name with a default is the function's own, as in `lambda gap, k=k: -k * gap`.
+    wanted = [name for name, p in parameters.items() if name in given or p.default is inspect.Parameter.empty]
     unknown = [name for name in wanted if name not in given]
     if unknown:
         raise TypeError(f"`{what}` of a law asks for {unknown}; there are {', '.join(sorted(given))}")

@@ -101,6 +101,17 @@ def check_friction_on_two_masters():
             assert excess(c, max(friction)) < BALANCED
 
 
+def check_laws_of_friction_on_two_masters():
+    """A law that is constant is the number, at nodes that pairs share as well, beside a number or another law."""
+    for cell, degree, facets, split in on_these_ranks([("quadrilateral", 1, 5, False), ("triangle", 2, 4, True)]):
+        first, second = (di.FrictionLaw(lambda pressure, mu=mu: mu + 0 * pressure) for mu in (0.3, 0.1))
+        found = []
+        for friction in ((0.3, 0.1), (first, second), (0.3, second)):
+            m, _ = foot(cell, degree, facets, split, poisson=0.3, friction=friction, side=0.1)
+            found.append(m.u.x.array.copy())
+        assert all(np.abs(u - found[0]).max() < 1e-15 for u in found[1:]), cell
+
+
 def pressed(split, master, cell, degree, friction):
     """A block on a wider one or on a plane, its foot tagged once or in two parts."""
     m = Boxes([((-0.5, -0.5), (2.5, 0), (7, 2)), ((0, 0), (2, 1), (6, 2))], cell, degree, poisson=0.3)
