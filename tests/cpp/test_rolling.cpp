@@ -260,7 +260,7 @@ TEST_CASE("contacts with friction and others are not mixed", "[rolling]")
   const auto rolls = std::make_shared<rolling::RollingContact>(
       s.V, facets, rail, enforcement::MortarOptions{.name = "rolls", .friction = 0.3}, fixed, s.flow);
   CHECK(rolls->friction() == 0.0); // of slips of increments
-  CHECK(rolls->steady_friction() == 0.3);
+  CHECK(rolls->options().friction == 0.3);
   const auto problem =
       [&](std::vector<std::shared_ptr<enforcement::StaticContact>> contacts, std::shared_ptr<rolling::Flow> flow)
   { problems::RollingProblem(std::make_shared<problems::StaticProblem>(s.u, s.body, s.bcs, contacts), flow); };

@@ -104,7 +104,8 @@ def first_touch(case, time):
 @pytest.mark.parametrize("name", LEVELS)
 def test_every_run_touches(name):
     level, late = LEVELS[name], []
-    cases = list(every_run(level))
+    # Runs without pairs have no slave and no master; test_verify_general asks for their forces.
+    cases = [case for case in every_run(level) if case.contact != "general"]
     for case in cases:
         if not first_touch(case, run_time(level, case)) < np.inf:
             late.append(f"{case.body.cell}, degree {case.body.degree}: {case.name}")
