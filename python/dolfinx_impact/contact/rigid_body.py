@@ -257,6 +257,15 @@ class RigidBody(_Rigid):
         raise AttributeError("angle of a RigidBody cannot be changed: it turns by torques; give `fixed` and a spin")
 
     @property
+    def pivot(self) -> FloatArray:
+        """Its centre: a body turns about it, (3) [L]."""
+        return self.centre
+
+    @pivot.setter
+    def pivot(self, value: Any) -> None:
+        raise AttributeError("pivot of a RigidBody cannot be changed: it turns about its centre")
+
+    @property
     def motion(self) -> Any:
         """None: it moves by forces."""
         return None

@@ -25,14 +25,17 @@ FOLLOWED = {
     **{(kind, "displacement"): (0.0, 0.1) for kind in ("RigidPlane", "RigidSphere", "RigidCylinder", "RigidSurface")},
     **{(kind, "motion"): None for kind in ("RigidPlane", "RigidSphere", "RigidCylinder", "RigidSurface")},
     **{(kind, "velocity"): (0.1, 0.0) for kind in ("RigidPlane", "RigidSphere", "RigidCylinder", "RigidSurface")},
+    **{(kind, "angle"): (0.0, 0.0, 0.1) for kind in ("RigidPlane", "RigidSphere", "RigidCylinder", "RigidSurface")},
+    **{(kind, "pivot"): (0.1, 0.0, 0.0) for kind in ("RigidPlane", "RigidSphere", "RigidCylinder", "RigidSurface")},
     ("RigidBody", "external_force"): (0.0, 0.0, 1.0),
+    ("RigidBody", "external_torque"): (0.0, 0.0, 1.0),
     ("Spin", "omega"): 2.0,
     ("Translation", "velocity"): (0.1, 0.0),
 }
 
 
 # Made for every call: the rate of motions is that of their omega or velocity.
-MADE_ANEW = ("rate", "adjustment", "external_force")
+MADE_ANEW = ("rate", "adjustment", "external_force", "external_torque")
 
 
 class OwnLaw(di.InelasticMaterial):
