@@ -62,7 +62,7 @@ public:
                           std::span<const double> target = {}) = 0;
   /// Turn a rigid master about its centre (gap::Rigid::centre) in the increment that the next begin_step begins;
   /// without this call it does not turn. Not collective.
-  /// @param[in] rotation at the end of the increment, since the reference configuration
+  /// The argument is the rotation at the end of the increment, since the reference configuration.
   /// @throws std::invalid_argument for a contact whose master cannot turn
   virtual void set_rotation(const gap::Matrix3&)
   {

@@ -401,14 +401,16 @@ state::State CentralDifference::saved_state()
 state::State CentralDifference::empty_state() const
 {
   RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
-  run.bodies = _contact.bodies(); // with as many values as they have
+  run.obstacles = _contact.obstacles(); // with as many values as they have
+  run.bodies = _contact.bodies();
   return run.state(_fields.bs).copy();
 }
 
 void CentralDifference::resume(const state::State& saved)
 {
   RunState run(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
-  run.bodies = _contact.bodies(); // with as many values as they have
+  run.obstacles = _contact.obstacles(); // with as many values as they have
+  run.bodies = _contact.bodies();
   run.state(_fields.bs).assign(saved);
   start(run.u, run.v);
   std::copy(run.r.begin(), run.r.end(), _fields.r.begin());

@@ -42,6 +42,7 @@ void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns,
   if (rotation[0] >= 0 && springs.empty())
     throw std::invalid_argument("a rigid master that turns as prescribed needs SpringForces");
   _pairs.push_back({std::move(pair), !kinematic.empty() || !ties.empty(), columns, rotation, {}, nullptr});
+  _pairs.back().obstacle.rotates = rotation[0] >= 0;
   _search_due = true;
 }
 

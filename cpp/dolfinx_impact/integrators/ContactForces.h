@@ -30,6 +30,7 @@ public:
     std::array<double, 3> displacement{};     ///< [L]
     std::array<double, 3> increment{};        ///< in the last step [L]
     std::array<double, 3> increment_before{}; ///< in the step before it [L]
+    bool rotates = false;                     ///< without, what follows is zero
     std::array<double, 3> angle{};            ///< rotation vector [1]
     gap::Matrix3 turn{};                      ///< in the last step, see RigidMotion [1]
   };

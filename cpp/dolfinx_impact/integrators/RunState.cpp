@@ -50,6 +50,8 @@ State RunState::state(std::size_t bs)
       common.add("obstacle" + end, Place::rank, obstacles[k].displacement[c]);
       common.add("obstacle_increment" + end, Place::rank, obstacles[k].increment[c]);
       common.add("obstacle_increment_before" + end, Place::rank, obstacles[k].increment_before[c]);
+      if (!obstacles[k].rotates)
+        continue;
       common.add("obstacle_angle" + end, Place::rank, obstacles[k].angle[c]);
       for (int d = 0; d < 3; ++d)
         common.add("obstacle_turn" + end + "xyz"[d], Place::rank, obstacles[k].turn[3 * c + d]);

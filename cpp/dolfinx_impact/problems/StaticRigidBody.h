@@ -12,8 +12,8 @@ class StaticRigidBody : public solve::RigidEquations
 {
 public:
   /// @param[in] fixed components that stay: x, y, z, rx, ry, rz
-  /// @param[in] load views of external force [F] and torque about the centre [F L], three components each, at the
-  /// present part of the load step
+  /// @param[in] force, torque views of the external force [F] and of the torque about the centre [F L], three
+  /// components each, at the present part of the load step
   /// @param[in] centre before the displacement [L]
   /// @param[in] length by which angles become lengths, and torques forces [L]
   /// @throws std::invalid_argument unless a load has three components and the length is positive

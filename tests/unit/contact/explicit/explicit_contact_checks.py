@@ -148,7 +148,7 @@ def check_sliding_block_is_the_same_on_all_ranks():
                 press=6.2,  # enough that every case is in contact at the last look
             )
             alone, (moved, closed, lost) = run_alone(clamped=True, **case)
-            assert moved > 0.8 and np.count_nonzero(closed) >= 3 and closed[-1] > 0 and lost > 0.3, (
+            assert moved > 0.75 and np.count_nonzero(closed) >= 3 and closed[-1] > 0 and lost > 0.3, (
                 moved,
                 closed,
                 lost,
