@@ -14,12 +14,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any, Protocol
 
-import basix.ufl
 import ufl
 from ufl.algorithms import expand_derivatives
 from ufl.constantvalue import Zero
 
-from .interface import DERIVATIVE, check_inputs, plain
+from .interface import DERIVATIVE, check_inputs, plain, point_function, point_mesh
 from .point_law import PointLaw
 
 
@@ -58,10 +57,10 @@ class FrictionForm:
     def __init__(
         self, law: FrictionResponse, gdim: int, fields: tuple[str, ...] = (), parameters: tuple[str, ...] = ()
     ) -> None:
-        self._mesh = ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
-        inputs = {name: self._function((gdim,) if name != "pressure" else ()) for name in INPUTS}
-        values = {f"{name}_{side}": self._function(()) for name in fields for side in ("slave", "master")}
-        self.parameters = {name: ufl.Constant(self._mesh) for name in parameters}
+        mesh = point_mesh()
+        inputs = {name: point_function(mesh, (gdim,) if name != "pressure" else ()) for name in INPUTS}
+        values = {f"{name}_{side}": point_function(mesh, ()) for name in fields for side in ("slave", "master")}
+        self.parameters = {name: ufl.Constant(mesh) for name in parameters}
         point = SimpleNamespace(
             **inputs, fields=SimpleNamespace(**values), parameters=SimpleNamespace(**self.parameters)
         )
@@ -77,13 +76,9 @@ class FrictionForm:
         outputs = {name: plain(value) for name, value in outputs.items()}
         check_inputs(outputs.values(), {**inputs, **values}.values(), self.parameters.values())
         self.point_law = PointLaw(outputs=outputs)
-        self.form = inputs["pressure"] * ufl.dx(domain=self._mesh, degree=0)
+        self.form = inputs["pressure"] * ufl.dx(domain=mesh, degree=0)
         self.names = {c: name for name, c in {**inputs, **values}.items()}
         self.names |= {c: name for name, c in self.parameters.items()}
-
-    def _function(self, shape: tuple[int, ...]) -> ufl.Coefficient:
-        element = basix.ufl.quadrature_element("interval", value_shape=shape, degree=0, scheme="default")
-        return ufl.Coefficient(ufl.FunctionSpace(self._mesh, element))
 
 
 INPUTS = ("pressure", "slip_rate", "normal")

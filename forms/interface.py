@@ -98,6 +98,22 @@ def plain(expression: Any) -> Any:
     return strip_variables(expand_derivatives(expression))
 
 
+def point_mesh() -> ufl.Mesh:
+    """The interval whose only quadrature point stands for a contact point."""
+    return ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
+
+
+def point_function(mesh: ufl.Mesh, shape: tuple[int, ...]) -> ufl.Coefficient:
+    """A function with one value, at the point.
+
+    Args:
+        mesh: point_mesh.
+        shape: of the value.
+    """
+    element = basix.ufl.quadrature_element("interval", value_shape=shape, degree=0, scheme="default")
+    return ufl.Coefficient(ufl.FunctionSpace(mesh, element))
+
+
 def check_inputs(expressions: Iterable[Any], functions: Iterable[Any], constants: Iterable[Any]) -> None:
     """Refuse functions and constants in expressions that are no inputs of a law.
 
@@ -144,7 +160,7 @@ class InterfaceForm:
         self, law: InterfaceResponse, gdim: int, fields: tuple[str, ...] = (), parameters: tuple[str, ...] = ()
     ) -> None:
         self.gdim = gdim
-        self._mesh = ufl.Mesh(basix.ufl.element("Lagrange", "interval", 1, shape=(1,)))
+        self._mesh = point_mesh()
         names = ("gap", "slip", "gap_rate", "slip_rate", "normal")
         vectors = ("slip", "slip_rate", "normal")
         inputs = {name: self._coefficient((gdim,) if name in vectors else ()) for name in names}
@@ -186,8 +202,7 @@ class InterfaceForm:
         self.names |= {c: name for name, c in self.parameters.items()}
 
     def _coefficient(self, shape: tuple[int, ...]) -> ufl.Coefficient:
-        element = basix.ufl.quadrature_element("interval", value_shape=shape, degree=0, scheme="default")
-        return ufl.Coefficient(ufl.FunctionSpace(self._mesh, element))
+        return point_function(self._mesh, shape)
 
     def _outputs(self, update: InterfaceUpdate, inputs: Mapping[str, Any], unknown: Any) -> dict[str, Any]:
         """Pressure, shear traction, energy, state and derivatives by name."""

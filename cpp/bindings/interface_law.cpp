@@ -42,6 +42,17 @@ const Values& value_of(const std::map<std::string, Values>& given, const std::st
   return found->second;
 }
 
+template <typename Points, typename Law>
+void set_fields(Points& points, const Law& law, const std::map<std::string, Values>& given)
+{
+  for (std::size_t f = 0; f < law.fields().size(); ++f)
+  {
+    const std::string& name = law.fields()[f].name;
+    set(points.slave_fields[f], value_of(given, name + "_slave"), name);
+    set(points.master_fields[f], value_of(given, name + "_master"), name);
+  }
+}
+
 /// What a law returns at points, and the new internal variables.
 struct Evaluated
 {
@@ -60,12 +71,7 @@ Evaluated evaluate(const InterfaceLaw& law, const std::map<std::string, Values>&
   set(points.gap_rate, value_of(given, "gap_rate"), "gap_rate");
   set(points.slip_rate, value_of(given, "slip_rate"), "slip_rate");
   set(points.normal, value_of(given, "normal"), "normal");
-  for (std::size_t f = 0; f < law.fields().size(); ++f)
-  {
-    const std::string& name = law.fields()[f].name;
-    set(points.slave_fields[f], value_of(given, name + "_slave"), name);
-    set(points.master_fields[f], value_of(given, name + "_master"), name);
-  }
+  set_fields(points, law, given);
   Evaluated out{{}, law.make_history(num)};
   for (InterfaceHistory::Variable& v : out.history.variables)
   {
@@ -83,12 +89,7 @@ FrictionCoefficients coefficients(const FrictionLaw& law, const std::map<std::st
   set(points.pressure, value_of(given, "pressure"), "pressure");
   set(points.slip_rate, value_of(given, "slip_rate"), "slip_rate");
   set(points.normal, value_of(given, "normal"), "normal");
-  for (std::size_t f = 0; f < law.fields().size(); ++f)
-  {
-    const std::string& name = law.fields()[f].name;
-    set(points.slave_fields[f], value_of(given, name + "_slave"), name);
-    set(points.master_fields[f], value_of(given, name + "_master"), name);
-  }
+  set_fields(points, law, given);
   FrictionCoefficients out;
   law.evaluate(points, out);
   return out;

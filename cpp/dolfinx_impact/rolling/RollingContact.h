@@ -33,7 +33,7 @@ public:
   const Flow& flow() const { return *_flow; }
   /// Is there friction against the slip velocity?
   bool has_steady_friction() const { return options().has_friction(); }
-  /// Coefficients of friction against the slip velocity [1]. Collective where a law reads fields.
+  /// Coefficients of friction against the slip velocity [1]. Collective where there is a law.
   /// @param[in] slip velocities, vectors [L/T]
   /// @param[in] multipliers vectors [F/L^2]
   std::vector<double> steady_friction(std::span<const double> slip, std::span<const double> multipliers) const;

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import dolfinx_impact as di
 import numpy as np
+import pytest
+import ufl
 from blocks import BOTTOM, TOP, Blocks
 from dolfinx import fem, mesh
 from dolfinx_impact import interface
@@ -90,7 +92,7 @@ def exact(of_velocity, end, h=1e-3):
     return h * np.arange(len(out)), np.array(out)
 
 
-def block(kind):
+def block(kind, law=None):
     """A flat block on a moving floor, whose friction falls with the slip velocity."""
     domain = mesh.create_rectangle(
         MPI.COMM_WORLD, [[0.0, 0.0], [1.0, HEIGHT]], [2, 1], mesh.CellType.quadrilateral
@@ -104,7 +106,7 @@ def block(kind):
     u.interpolate(lambda x: np.vstack([0 * x[0], -LOAD / E * x[1]]))
     floor = di.RigidPlane((0.0, 0.0), (0.0, 1.0))
     floor.motion = lambda t: (SPEED * t, 0.0, 0.0)
-    pair = di.ContactPair(tags, 1, floor, friction=interface.falling_friction(0.5, 0.2, 0.3))
+    pair = di.ContactPair(tags, 1, floor, friction=law or interface.falling_friction(0.5, 0.2, 0.3))
     method = di.Kinematic if kind is di.ExplicitProblem else di.Lagrange
     return kind(
         u, di.LinearElastic(E, 0.0, density=1.0 / HEIGHT, hypothesis="plane_strain"), contact=[method(pair)],
@@ -145,3 +147,15 @@ def check_restart():
                 problem.advance(1.6, progress=False, **steps)
             assert np.array_equal(whole.u.x.array, other.u.x.array), kind
         MPI.COMM_WORLD.barrier()
+
+
+def check_a_law_that_returns_no_number():
+    """Under pressure it is the root of a negative number. Nobody takes that for sticking: the run ends, on all ranks."""
+    law = di.FrictionLaw(lambda pressure: ufl.sqrt(0.1 - pressure))
+    implicit = block(di.NewmarkProblem, law)
+    before = implicit.u.x.array.copy()
+    with pytest.raises(ValueError, match="returns no finite number at"):
+        implicit.advance(0.1, dt=0.1, progress=False)
+    assert np.array_equal(implicit.u.x.array, before)
+    with pytest.raises(RuntimeError, match="went unstable"):
+        block(di.ExplicitProblem, law).advance(0.5, progress=False)

@@ -52,11 +52,8 @@ FrictionLaw::Input FrictionLaw::input(const impact_coefficient& c) const
       out.source = source;
       return out;
     }
-  for (std::size_t f = 0; f < _fields.size(); ++f)
-    for (const auto& [end, source] : {std::pair(std::string("_slave"), Source::slave_field),
-                                      std::pair(std::string("_master"), Source::master_field)})
-      if (ends_with(name, end) && name == _fields[f].name + end)
-        return {source, int(f), out.size, out.offset};
+  if (const auto side = field_side(name, _fields))
+    return {side->slave ? Source::slave_field : Source::master_field, side->field, out.size, out.offset};
   throw std::invalid_argument("the law of friction reads " + name + ", which is not known here");
 }
 

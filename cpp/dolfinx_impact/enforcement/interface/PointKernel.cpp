@@ -64,9 +64,4 @@ PointKernel::Memory PointKernel::memory() const
     std::fill_n(out.x + k * lanes, lanes, k == 3 ? 1.0 : 0.0);
   return out;
 }
-
-bool ends_with(const std::string& name, const std::string& end)
-{
-  return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-}
 } // namespace dolfinx_impact::enforcement

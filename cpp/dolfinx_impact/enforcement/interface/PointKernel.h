@@ -86,7 +86,4 @@ private:
   std::string _what;
   std::vector<double> _constants;
 };
-
-/// Does a name end with something, and has more before it?
-bool ends_with(const std::string& name, const std::string& end);
 } // namespace dolfinx_impact::enforcement

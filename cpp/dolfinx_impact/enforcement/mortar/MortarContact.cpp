@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "MortarContact.h"
+#include "../../common/OnAllRanks.h"
 #include "../../common/dolfinx_api.h"
 #include "../../common/gather.h"
 #include "../../common/vectors.h"
@@ -225,10 +226,16 @@ FrictionCoefficients MortarContact::law_coefficients(std::span<const double> pre
   points.slip_rate.assign(slip_rate.begin(), slip_rate.end());
   FrictionCoefficients out;
   _options.friction_law->evaluate(points, out);
+  long long unknown = 0;
+  for (std::size_t i = 0; i < out.value.size(); ++i)
+    unknown += _usable[i] && !std::isfinite(out.value[i]);
+  if (unknown = common::sum(_geometry->comm(), unknown); unknown > 0)
+    throw common::BadValue(name() + ": the law of friction returns no finite number at " + std::to_string(unknown) +
+                           " nodes");
   return out;
 }
 
-/// Coefficients of the law at the present pressures and slips. Collective where it reads fields.
+/// Coefficients of the law at the present pressures and slips. Collective.
 void MortarContact::update_coefficients()
 {
   std::vector<double> pressure(_state.multiplier), slip_rate(_linearised.slip);

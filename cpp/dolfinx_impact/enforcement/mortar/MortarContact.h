@@ -139,13 +139,14 @@ public:
   const std::vector<std::int8_t>& usable() const { return _usable; }
   /// Stiffness of the bodies at the nodes [F/L].
   const std::vector<double>& nodal_stiffness() const { return _nodal_stiffness; }
-  /// Coefficients of this pair's law of friction. Collective where it reads fields.
+  /// Coefficients of this pair's law of friction. Collective.
   /// @param[in] pressure by node [F/L^2]
   /// @param[in] slip_rate [i*gdim + c] [L/T]
+  /// @throws common::BadValue where the law returns no finite number, on all ranks
   FrictionCoefficients law_coefficients(std::span<const double> pressure, std::span<const double> slip_rate) const;
   /// Points of the law at all nodes, with normals and fields. Collective where the law reads fields.
   FrictionPoints law_points() const;
-  /// Coefficients of friction at the nodes [1]. Collective where a law of rolling reads fields.
+  /// Coefficients of friction at the nodes [1]. Collective with a law, in rolling problems.
   virtual std::vector<double> friction_coefficients() const { return coefficients(); }
   /// Gaps of nodes that are open, zero at others [L].
   std::vector<double> opened(std::span<const double> gap) const;

@@ -380,7 +380,7 @@ void KinematicContact::sweep(const double* correction, double h, double factor)
       for (int c = 0; c < D; ++c)
         tangential[c] = f[c] - before * n[c] + more[c] - along * n[c];
       const double size = std::sqrt(dot(tangential, tangential, D)), limit = _coefficients.value[q] * normal;
-      if (size > limit)
+      if (!(size <= limit)) // also where a law returns no number: it is seen in the motion, and ends the run
         for (int c = 0; c < D; ++c)
           tangential[c] *= limit / size;
       else if (normal > 0.0)
