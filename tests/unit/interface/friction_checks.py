@@ -150,7 +150,7 @@ def check_restart():
 
 
 def check_a_law_that_returns_no_number():
-    """Under pressure it is the root of a negative number. Nobody takes that for sticking: the run ends, on all ranks."""
+    """Under pressure it is the root of a negative number. Nobody takes that for sticking: the run ends on all ranks."""
     law = di.FrictionLaw(lambda pressure: ufl.sqrt(0.1 - pressure))
     implicit = block(di.NewmarkProblem, law)
     before = implicit.u.x.array.copy()
