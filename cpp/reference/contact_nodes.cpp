@@ -171,13 +171,15 @@ void against_obstacle(const ContactPair& pair, const Rigid& rigid, const Rule& r
     Vec<T> x;
     for (int c = 0; c < d; ++c)
       x[c] = T::variable(pair.model.field().points(number, c) + u(d * number + c), c);
-    const auto g = gap_and_normal<T>(rigid, rigid.displacement, x);
+    const auto g = gap_and_normal<T>(rigid, rigid.place, x);
     const Vec<T> gamma = (node.cover * g.gap) * g.normal;
-    node.moved.value = node.moved.value - node.cover * (rigid.displacement - history.displacement);
+    const Vec<T> carried = (-node.cover) * motion_of_point(rigid.pivot, history.place, rigid.place, x);
+    node.moved.value = node.moved.value + values(carried);
     node.gamma.value = values(gamma);
     node.normal.value = values(g.normal);
     for (int c = 0; c < d; ++c)
     {
+      node.moved.slope.emplace_back(d * number + c, Vec<double>{carried[0].d(c), carried[1].d(c), carried[2].d(c)});
       node.gamma.slope.emplace_back(d * number + c, Vec<double>{gamma[0].d(c), gamma[1].d(c), gamma[2].d(c)});
       node.normal.slope.emplace_back(d * number + c, Vec<double>{g.normal[0].d(c), g.normal[1].d(c), g.normal[2].d(c)});
     }

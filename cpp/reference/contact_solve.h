@@ -13,7 +13,7 @@ struct ContactLoads
   std::vector<std::int64_t> fixed_dofs;
   Vector values;            ///< on the fixed degrees of freedom [L]
   Vector load;              ///< (num_dofs) [F]
-  Vec<double> displacement; ///< of the rigid obstacle [L]
+  RigidPlace place;         ///< of the rigid obstacle
 };
 
 struct ContactOptions

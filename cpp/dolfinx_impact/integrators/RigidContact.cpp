@@ -132,17 +132,15 @@ void RigidContact::evaluate()
     double* const shear = kept.data() + 2 + 3 * i;
     const double gap = at.gap - _options.radius;
     _gap = std::min(_gap, gap);
-    if (!(gap < 0.0))
-    {
-      std::fill_n(shear, 3, 0.0);
+    const bool opens = !(gap < 0.0), sheared = dot(shear, shear, 3) > 0.0;
+    if (opens && !sheared)
       continue;
-    }
     double n[3] = {0.0, 0.0, 0.0}, f[3];
     std::copy_n(at.normal, _surface.gdim, n);
     for (int c = 0; c < 3; ++c) // the point of the slave's surface
       x[c] -= _options.radius * n[c];
-    const double k = _stiffness * _options.areas[i] / _area, pressed = -k * gap;
-    stored += 0.5 * k * gap * gap;
+    const double k = _stiffness * _options.areas[i] / _area, pressed = opens ? 0.0 : -k * gap;
+    stored += 0.5 * k * std::pow(opens ? 0.0 : gap, 2);
     if (_options.friction > 0.0)
     {
       gap::Vector3 moved{};
@@ -162,7 +160,7 @@ void RigidContact::evaluate()
       for (int c = 0; c < 3; ++c)
       {
         const double now = factor * f[c], slip = moved[c] - along * n[c] + (now - shear[c]) / k;
-        work -= now * slip;
+        work -= 0.5 * (now + shear[c]) * slip; // mean of the step: of second order
         shear[c] = now;
       }
       dissipated += work;
