@@ -40,7 +40,8 @@ def momenta(problem, body):
 def check_a_free_block_and_a_ball_in_implicit_steps():
     """Momentum stays to the tolerance of the solves, angular momentum and energy nearly; the ball moves as in explicit
     steps."""
-    for dim, dt, cells in ((2, 0.004, 8), (3, 0.01, 2)):
+    differences = {}
+    for dim, dt, cells in ((2, 0.004, 8), (3, 0.01, 2), *([(3, 0.01, 4)] if COMM.size == 1 else [])):
         body, other = ball(dim), ball(dim)
         problem = implicit(COMM, dim, body, cells=cells, penalty={"penalty": 300.0})
         before = momenta(problem, body)
@@ -53,11 +54,20 @@ def check_a_free_block_and_a_ball_in_implicit_steps():
         assert abs(problem.energy["drift"]) < 0.02, problem.energy
         explicit = thrown(COMM, dim, other, cells=cells, penalty=300.0)
         explicit.advance(0.2, progress=False)
-        # Another contact: of quadrature points here, of nodes there, and four facets in space.
-        np.testing.assert_allclose(body.position, other.position, rtol=0, atol=0.003 if dim == 2 else 0.015)
-        np.testing.assert_allclose(body.velocity, other.velocity, rtol=0, atol=0.06)
-        np.testing.assert_allclose(body.spin, other.spin, rtol=0, atol=0.15)
-        np.testing.assert_allclose(body.rotation, other.rotation, rtol=0, atol=0.02)
+        differences[dim, cells] = [
+            np.abs(getattr(body, name) - getattr(other, name)).max() for name in ("position", "rotation", "spin")
+        ]
+        if dim == 2:
+            np.testing.assert_allclose(body.position, other.position, rtol=0, atol=0.003)
+            np.testing.assert_allclose(body.velocity, other.velocity, rtol=0, atol=0.06)
+            np.testing.assert_allclose(body.spin, other.spin, rtol=0, atol=0.15)
+            np.testing.assert_allclose(body.rotation, other.rotation, rtol=0, atol=0.02)
+    if COMM.size == 1:
+        # Contact at quadrature points here, at nodes there: the difference is that of the meshes. Of position, rotation
+        # and spin it falls to 0.32, 0.13 and 0.16 with half the cells' size, and to 0.19, 0.11, 0.27 of that with half
+        # of it again (5e-4 of the ball's way); half the step changes 4e-3 of it.
+        coarse, fine = (np.array(differences[3, cells]) for cells in (2, 4))
+        assert np.all(fine < 0.5 * coarse), (coarse, fine)
 
 
 def check_multipliers_move_a_ball_that_does_not_turn():
@@ -130,8 +140,15 @@ def check_a_driven_body_is_an_obstacle():
             moving = body.kinetic_energy
             np.testing.assert_allclose(a["kinetic"] - moving, b["kinetic"], rtol=0, atol=1e-6 * a["internal"])
             np.testing.assert_allclose(a["external"], b["external"], rtol=1e-5)
-            # Of the work: the contact closes within implicit steps of a hundredth of the time.
-            assert abs(b["drift"]) < (0.03 if kind is implicit else 0.01), (dim, kind, b)
+            if kind is thrown:
+                assert abs(b["drift"]) < 0.01, (dim, b)
+                continue
+            # Friction's work is that of the traction at the end of each step: while the shear force grows evenly to F
+            # under a slip velocity v, that is more than the mean by h F v/2, and of first order.
+            slip = np.pad(velocity, (0, 3 - dim)) + np.cross(turn, -0.7 * np.eye(3)[dim - 1])
+            along = other.contact[0].force[: dim - 1]
+            excess = 0.5 * 0.005 * abs(along @ slip[: dim - 1])
+            assert abs(b["total"] - excess) < 0.25 * excess, (dim, b, excess)
 
 
 def check_implicit_checkpoints():
@@ -170,25 +187,21 @@ def check_torques_in_statics():
     """A disc that friction holds: force and torque find the place and the angle that displacement control has."""
     body = di.RigidBody(round_body(2).surface, inertia=1.0, force=(0.0, -4.0), fixed="x")
     problem = pressed(COMM, 2, di.Penalty, body, friction=0.5)
-    problem.solve()
-    pressed_only = body.position
-    body.external_torque = 0.2
-    problem.solve(steps=2)
+    path = []  # friction depends on it
+    for torque in (0.0, 0.1, 0.2):
+        body.external_torque = torque
+        problem.solve()
+        path.append((body.position - body.centre, np.arctan2(body.rotation[1, 0], body.rotation[0, 0])))
     # RigidEquilibrium::tolerance of the force; torques over the diagonal of the block.
     np.testing.assert_allclose(body.force[1], 4.0, rtol=0, atol=2e-7)
     np.testing.assert_allclose(body.torque, (0.0, 0.0, -0.2), rtol=0, atol=2e-7)
-    angle = np.arctan2(body.rotation[1, 0], body.rotation[0, 0])
-    assert angle > 1e-4
+    assert path[-1][1] > 1e-4
     shape = round_body(2).surface
     shape.angle = 0.0
     other = pressed(COMM, 2, di.Penalty, shape, friction=0.5)
-    shape.displacement = pressed_only - body.centre
-    other.solve()
-    shape.displacement, shape.angle = body.position - body.centre, angle
-    other.solve(steps=2)
-    np.testing.assert_allclose(
-        other.contact[0].force, problem.contact[0].force, rtol=0, atol=0.01
-    )  # friction: another path
+    for shape.displacement, shape.angle in path:
+        other.solve()
+    np.testing.assert_allclose(other.contact[0].force, problem.contact[0].force, rtol=0, atol=1e-7)
 
 
 def check_a_plate_tilts():
