@@ -202,9 +202,9 @@ void bind_contact(nb::module_& m)
               V history_displacement, P traction, P slip, const Integers& touched, V history_angle, V multiplier)
            {
              s.check(u);
-             const Penalty r = penalty(s.at(displacement, angle), {points, weights}, u, chi, chi_t,
-                                       s.history(history_u, history_displacement, traction, slip, touched, history_angle),
-                                       multiplier);
+             const Penalty r = penalty(
+                 s.at(displacement, angle), {points, weights}, u, chi, chi_t,
+                 s.history(history_u, history_displacement, traction, slip, touched, history_angle), multiplier);
              return std::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
            })
       .def("mortar",
@@ -246,11 +246,13 @@ void bind_contact(nb::module_& m)
            {
              return s.tuple(solve_lagrange(s.pair_, ElasticForces(s.pair_.model, {points, weights}),
                                            {contact_points, contact_weights}, basis_of(basis), s.state(state),
-                                           s.loads(fixed, values, load, displacement, angle), {steps, iterations, tolerance}));
+                                           s.loads(fixed, values, load, displacement, angle),
+                                           {steps, iterations, tolerance}));
            })
       .def("step_penalty",
            [](const Bound& s, const MovingBodies& bodies, P points, V weights, double chi, double chi_t,
-              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int iterations, double tolerance)
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int iterations,
+              double tolerance)
            {
              return s.tuple(solve_penalty(s.pair_, bodies, {points, weights}, chi, chi_t, s.state(state),
                                           s.loads(fixed, values, load, displacement, angle),
@@ -258,7 +260,8 @@ void bind_contact(nb::module_& m)
            })
       .def("step_lagrange",
            [](const Bound& s, const MovingBodies& bodies, P points, V weights, const std::string& basis,
-              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int iterations, double tolerance)
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int iterations,
+              double tolerance)
            {
              return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
                                            s.loads(fixed, values, load, displacement, angle),

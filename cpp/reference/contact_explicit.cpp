@@ -111,7 +111,8 @@ RigidPlace NodePairs::obstacle_before(int n, double part) const
 {
   const RigidPlace now = obstacle(n);
   const RigidPlace place{now.displacement - part * master_moved(n), now.angle};
-  return turns() and n > 0 ? RigidPlace{place.displacement, (1 - part) * now.angle + part * get(angles_, n - 1)} : place;
+  return turns() and n > 0 ? RigidPlace{place.displacement, (1 - part) * now.angle + part * get(angles_, n - 1)}
+                           : place;
 }
 
 Eigen::Matrix3d NodePairs::master_turned(int n) const

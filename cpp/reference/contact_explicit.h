@@ -69,7 +69,7 @@ public:
 
   Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
   Vec<double> position(const Vector& u, std::int64_t node) const;
-  RigidPlace obstacle(int n) const;                            ///< place of the rigid master at t_n
+  RigidPlace obstacle(int n) const; ///< place of the rigid master at t_n
   /// The same a part of the step before t_n.
   RigidPlace obstacle_before(int n, double part) const;
   Vec<double> master_moved(int n) const;                       ///< of the rigid master, from t_(n-1) to t_n [L]

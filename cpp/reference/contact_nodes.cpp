@@ -173,13 +173,15 @@ void against_obstacle(const ContactPair& pair, const Rigid& rigid, const Rule& r
       x[c] = T::variable(pair.model.field().points(number, c) + u(d * number + c), c);
     const auto g = gap_and_normal<T>(rigid, rigid.place, x);
     const Vec<T> gamma = (node.cover * g.gap) * g.normal;
-    const Vec<T> carried = (-node.cover) * motion_of_point(rigid.pivot, history.place, rigid.place, x);
-    node.moved.value = node.moved.value + values(carried);
+    // Slip is that against the obstacle's point where the node was.
+    Vec<double> before = at(history.u, number);
+    for (int c = 0; c < d; ++c)
+      before[c] += pair.model.field().points(number, c);
+    node.moved.value = node.moved.value - node.cover * motion_from(rigid.pivot, history.place, rigid.place, before);
     node.gamma.value = values(gamma);
     node.normal.value = values(g.normal);
     for (int c = 0; c < d; ++c)
     {
-      node.moved.slope.emplace_back(d * number + c, Vec<double>{carried[0].d(c), carried[1].d(c), carried[2].d(c)});
       node.gamma.slope.emplace_back(d * number + c, Vec<double>{gamma[0].d(c), gamma[1].d(c), gamma[2].d(c)});
       node.normal.slope.emplace_back(d * number + c, Vec<double>{g.normal[0].d(c), g.normal[1].d(c), g.normal[2].d(c)});
     }

@@ -15,10 +15,10 @@ struct Rigid
     cylinder
   };
   Shape shape;
-  Vec<double> point;        ///< a point of the plane, the centre, or a point of the axis [L]
-  Vec<double> direction;    ///< normal of the plane (out of the obstacle) or axis of the cylinder
-  double radius = 0;        ///< [L]
-  Vec<double> pivot;        ///< that it turns about, before it is displaced [L]
+  Vec<double> point;     ///< a point of the plane, the centre, or a point of the axis [L]
+  Vec<double> direction; ///< normal of the plane (out of the obstacle) or axis of the cylinder
+  double radius = 0;     ///< [L]
+  Vec<double> pivot;     ///< that it turns about, before it is displaced [L]
   RigidPlace place;
 };
 

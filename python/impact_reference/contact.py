@@ -512,7 +512,7 @@ class Contact:
         state, force, reactions, iterations, residuals, points, *_ = result
         p = Points(*points)
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:7], state[9])
+        history = History(state[2], state[3], state[4], state[5], state[6], state[9])
         return ContactSolution(
             state[0], p.pressure, p.traction, p.gap, p.status, *common, points=p, history=history, state=state
         )
@@ -564,7 +564,7 @@ class Contact:
         normals = self.mortar(state[0], basis).normals
         traction = z - pressure[:, None] * normals
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:7], state[9])
+        history = History(state[2], state[3], state[4], state[5], state[6], state[9])
         return ContactSolution(
             state[0], pressure, traction, gap, status, *common, multipliers=z, history=history, state=state
         )

@@ -277,7 +277,18 @@ class _Run:
                 count = len(self.model.field_points)
                 open_nodes = np.zeros(count, dtype=np.int64)
                 points = (np.zeros(count), np.zeros((count, self.gdim)), np.full(count, np.inf), open_nodes)
-            state = (u, load, u.copy(), place.copy(), h.traction, h.slip, h.touched, np.zeros(0), z, self.angles[0].copy())
+            state = (
+                u,
+                load,
+                u.copy(),
+                place.copy(),
+                h.traction,
+                h.slip,
+                h.touched,
+                np.zeros(0),
+                z,
+                self.angles[0].copy(),
+            )
         internal, damping = self.bodies.internal_force(u), self.bodies.damping_force(u, v)
         unknown = ~self.is_fixed & ~self.massless
         a = self.bodies.solve_acceleration(load + contact_force - internal - damping, a, unknown.tolist())

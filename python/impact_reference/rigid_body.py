@@ -259,7 +259,7 @@ class MovingBody:
         a = (1 - s.alpha_m) * A + s.alpha_m * old.mean - s.alpha_f * old.change  # type: ignore[attr-defined]
         change[k] = a[k] / (1 - s.alpha_f)  # type: ignore[attr-defined]
         rate[k] += h * ((1 - s.gamma) * old.mean + s.gamma * mean)[k]  # type: ignore[attr-defined]
-        rotation = self.body.turned(old.rotation, way[3:] / h, h)
+        rotation = self.body.turned(old.rotation, floats(way[3:] / h), h)
         turned = angle_of(rotation @ old.rotation.T)
         work = old.work + float(self.body.loads @ np.concatenate([way[:3], turned]))
         return self._state(old.displacement + way[:3], rotation, rate, change, mean, forces, work)
@@ -273,4 +273,3 @@ class MovingBody:
         inertia, loads = self.inertia * state.change, self.body.loads
         size = max(float(np.abs(v[self.free]).max()) for v in (inertia, loads, state.forces))
         return (inertia - loads - state.forces)[self.free], size if size > 0.0 else 1.0
-

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .array_types import FloatArray
+from .array_types import FloatArray, floats
 from .contact import RigidPlane, RigidSphere
 from .rigid_body import RigidBody
 
@@ -67,8 +67,8 @@ class MeetingBody:
             h: half of the step before [T].
         """
         total = self.forces + self.body.loads
-        p, L = self.momentum + h * total[:3], self.angular + h * total[3:]
-        return p / self.body.mass, self.body.spin_of(L, self.rotation)
+        L: FloatArray = self.angular + h * total[3:]
+        return floats((self.momentum + h * total[:3]) / self.body.mass), self.body.spin_of(L, self.rotation)
 
     def kinetic(self, h: float, first: bool) -> float:
         """Kinetic energy of the momenta before and after the time level.
@@ -167,7 +167,7 @@ class Meeting:
         """Add the forces at the present places to those of both bodies."""
         self.stored = 0.0
         for i, X in enumerate(self.points):
-            x = self.slave.at(X)
+            x = self.slave.at(np.asarray(X))
             g, n = self.gap(x)
             x = x - self.radius * n
             k = self.stiffness * self.areas[i] / self.areas.sum()
@@ -235,4 +235,3 @@ def run(bodies: list[MeetingBody], meetings: list[Meeting], dt: float, num_steps
             body.advance(dt, h)
     fields = [np.array([[one[k] for one in level] for level in states]) for k in range(4)]
     return MeetingRun(*fields, *np.array(energies[:num_steps]).T)
-

@@ -45,6 +45,7 @@ def run(report: Report) -> None:
             compare_at_rest(report, tilted_plate(cell, degree))
     if report.wants("quadrilateral", 1):
         compare_at_rest(report, disc_with_torque("quadrilateral", 1))
+        compare_at_rest(report, disc_with_torque("quadrilateral", 1), multipliers=True)
     if report.wants("hexahedron", 1):
         for name, bodies in (("balls", balls()), ("a brick and a ball", brick_on_ball())):
             compare_meeting(report, name, *bodies)
@@ -74,15 +75,16 @@ def _hypothesis(dim: int) -> str:
     return "3d" if dim == 3 else "plane_strain"
 
 
-def _rigid(body: TwoBodies, ours: Any, theirs: Any, centre: FloatArray, fixed: tuple[str, ...]) -> TwoBodies:
-    """The body with a rigid one that loads move, of both sides."""
+def _set_rigid(body: TwoBodies, surfaces: tuple[Any, Any], centre: FloatArray, fixed: tuple[str, ...]) -> None:
+    """Give the body a rigid one that loads move, on both sides."""
+    ours, theirs = surfaces
     names = ("x", "y", "z", "rx", "ry", "rz")
     in_plane = (0, 1, 5) if body.gdim == 2 else range(6)
     theirs.pivot = centre
-    body.rigid = contact.RigidBody(ours, inertia=1.0, centre=centre, fixed=fixed), theirs
+    both: Any = contact.RigidBody(ours, inertia=1.0, centre=centre, fixed=fixed), theirs
+    body.rigid = both
     free = tuple(c for c in in_plane if names[c] not in fixed)
     body.moving = impact_reference.RigidBody(theirs, free=free)
-    return body
 
 
 def tilted_plate(cell: str, degree: int) -> AtRest:
@@ -97,8 +99,8 @@ def tilted_plate(cell: str, degree: int) -> AtRest:
     body = body_of(domain, face_tags(domain, 1.0), degree, _hypothesis(dim))
     up = np.eye(dim)[-1]
     centre = np.append(np.full(dim - 1, 0.57), 1.3)
-    planes = (module.RigidPlane(1.001 * up, -up) for module in (contact, impact_reference))
-    _rigid(body, *planes, centre, ("x",) if dim == 2 else ("x", "y", "rz"))
+    planes = contact.RigidPlane(1.001 * up, -up), impact_reference.RigidPlane(1.001 * up, -up)
+    _set_rigid(body, planes, centre, ("x",) if dim == 2 else ("x", "y", "rz"))
     force, torque = np.zeros(3), np.zeros(3)
     force[dim - 1] = -0.05
     torque[2 if dim == 2 else 1] = 0.002
@@ -115,19 +117,20 @@ def disc_with_torque(cell: str, degree: int) -> AtRest:
     domain = distorted_block.block(cell, 6)
     body = body_of(domain, face_tags(domain, 1.0), degree, "plane_strain", friction=0.4)
     centre = np.array([0.47, 1.803])
-    discs = (module.RigidCylinder(centre, 0.8) for module in (contact, impact_reference))
-    _rigid(body, *discs, centre + np.array([0.02, 0.05]), ("x",))  # else it rolls
+    discs = contact.RigidCylinder(centre, 0.8), impact_reference.RigidCylinder(centre, 0.8)
+    _set_rigid(body, discs, centre + np.array([0.02, 0.05]), ("x",))  # else it rolls
     force = np.array([0.0, -0.02, 0.0])
     turned = 1.2 * force, np.array([0.0, 0.0, 0.0008])
     return AtRest("block under a disc that friction holds", body, [(force, np.zeros(3)), turned], -0.03)
 
 
-def compare_at_rest(report: Report, case: AtRest) -> None:
+def compare_at_rest(report: Report, case: AtRest, multipliers: bool = False) -> None:
     """Add the rows of displacements, place and forces of each stage.
 
     Args:
         report: report to add to.
         case: the bodies and loads.
+        multipliers: in the place of a penalty.
     """
     body = case.body
     assert body.rigid is not None and body.moving is not None
@@ -137,7 +140,10 @@ def compare_at_rest(report: Report, case: AtRest) -> None:
     held = fem.dirichletbc(np.zeros(body.gdim), nodes, body.V)
     degree = 2 * body.degree + 2
     other = body.theirs(rule(body.facet, degree))
-    method = contact.Penalty(body.pair(), PENALTY, TANGENTIAL, quadrature_degree=degree)
+    method: Any = contact.Penalty(body.pair(), PENALTY, TANGENTIAL, quadrature_degree=degree)
+    if multipliers:
+        body.prescribed = fixed
+        other, method = body.theirs(rule(body.facet, degree)), contact.Lagrange(body.pair())
     problem = StaticProblem(body.u, cast(_Material, body.material), bcs=[held], contact=[method])
     solution: ContactSolution | None = None
     guess: FloatArray = np.zeros(len(theirs.free))
@@ -148,6 +154,8 @@ def compare_at_rest(report: Report, case: AtRest) -> None:
         problem.solve(rtol=1e-13, max_iterations=60)
 
         def solve(start: ContactSolution | None) -> ContactSolution:
+            if multipliers:
+                return other.solve_lagrange(body.order[fixed], 0.0, start=start)
             return other.solve_penalty(body.order[fixed], 0.0, chi=PENALTY, chi_t=TANGENTIAL, start=start)
 
         solution = rigid_body.solve_static(other, theirs, solve, solution, guess)
@@ -161,7 +169,7 @@ def compare_at_rest(report: Report, case: AtRest) -> None:
             "contact force": (problem.contact[0].contact_forces(), body.to_ours(solution.contact_force)),
         }
         for what, (a, b) in pairs.items():
-            name = f"{what} of the {case.name}, stage {number + 1}"
+            name = f"{what} of the {case.name}{', multipliers' if multipliers else ''}, stage {number + 1}"
             Rows(report, body, name)("rigid_static", a, b, TOLERANCE, REASON)
 
 
@@ -171,7 +179,7 @@ Meeting = tuple[list[contact.RigidBody], list[rigid_meeting.MeetingBody], rigid_
 
 
 def _body(
-    surface: Any, their_surface: Any, centre: FloatArray, mass: float, inertia: FloatArray, **given: Any
+    surface: Any, their_surface: Any, centre: FloatArray, mass: float, inertia: Any, **given: Any
 ) -> tuple[contact.RigidBody, rigid_meeting.MeetingBody]:
     """A body of both sides."""
     more = {name: given.pop(name) for name in ("meets", "friction") if name in given}

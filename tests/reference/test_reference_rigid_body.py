@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from impact_reference import RigidBody, RigidPlane, RigidSphere, rigid_body, rigid_meeting, rotation
+from impact_reference import NewmarkScheme, RigidBody, RigidPlane, RigidSphere, rigid_body, rigid_meeting, rotation
 
 
 def sphere(**given):
@@ -51,6 +51,20 @@ def test_a_ball_turns_exactly_and_axes_that_are_no_axes_of_inertia_are_refused()
         sphere(free=(3, 4)).turned(np.eye(3), L, 1.0)
     still = sphere(free=(0,))
     assert np.all(still.turned(np.eye(3), L, 1.0) == np.eye(3))
+
+
+def test_a_body_in_implicit_steps_falls_on_a_parabola():
+    """Constant loads without contact: exact, and nothing is lacking."""
+    body = sphere(mass=2.0, velocity=(0.1, 0.0, 0.0), force=(0.0, 0.0, -4.0), inertia=0.4 * np.eye(3))
+    moving = rigid_body.MovingBody(body, 3, NewmarkScheme())
+    state, h = moving.start(np.zeros(6)), 0.1
+    for _ in range(5):
+        q = h * state.rate + h**2 / 2.0 * state.change
+        state = moving.end(state, h, q, np.zeros(6))
+        lacking, size = moving.lacks(state)
+        assert np.abs(lacking).max() < 1e-12 * size
+    np.testing.assert_allclose(state.displacement, (0.05, 0.0, -0.25), rtol=0, atol=1e-14)
+    assert state.kinetic == pytest.approx(1.01) and state.work == pytest.approx(1.0)
 
 
 def test_meetings_conserve_momentum_and_energy():

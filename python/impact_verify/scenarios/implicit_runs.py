@@ -226,16 +226,20 @@ def cam(cell: str, degree: int, variation: RandomVariation | None = None) -> Ite
     domain = distorted_block.block(cell, 5 if plane else 2)
     body = block_under_cam(domain, degree, 0.3)
     low = nodes_at_bottom(body)
-    yield Scenario(
-        "block under a rigid cam, penalty", body, at_rest, Implicit({"rho_inf": 0.7}, dt=0.2), "penalty",
-        fixed_nodes=low, obstacle=lambda t: -0.02 * np.sin(t / 4) * np.eye(body.gdim)[-1],
-        angle=cam_angle_in_plane if plane else cam_angle, steps=60,
-    )  # fmt: skip
-    for friction, parameters in ((0.0, {}), (0.3, {"rho_inf": 0.8}))[0 if plane else 1 :]:
+    for kind in ("penalty", "lagrange"):
+        yield Scenario(
+            f"block under a rigid cam, {kind}", body, at_rest, Implicit({"rho_inf": 0.7}, dt=0.2), kind,
+            fixed_nodes=low, obstacle=lambda t: -0.02 * np.sin(t / 4) * np.eye(body.gdim)[-1],
+            angle=cam_angle_in_plane if plane else cam_angle, steps=60 if kind == "penalty" else 20,
+        )  # fmt: skip
+    runs: list[tuple[str, float, dict[str, float]]] = [("penalty", 0.3, {"rho_inf": 0.8})]
+    if plane:
+        runs += [("penalty", 0.0, {}), ("lagrange", 0.3, {"rho_inf": 0.8})]
+    for kind, friction, parameters in runs:
         body = block_under_body(domain, degree, friction)
         yield Scenario(
-            f"block under a rigid body, penalty{'' if friction else ', smooth'}", body, at_rest,
-            Implicit(parameters, dt=0.1), "penalty", fixed_nodes=low, steps=20, agreement=RIGID,
+            f"block under a rigid body, {kind}{'' if friction else ', smooth'}", body, at_rest,
+            Implicit(parameters, dt=0.1), kind, fixed_nodes=low, steps=20, agreement=RIGID,
         )  # fmt: skip
 
 

@@ -293,7 +293,8 @@ def block_under_body(domain: Mesh, degree: int, friction: float) -> TwoBodies:
         friction: coefficient [1].
     """
     body = block_under_cam(domain, degree, friction)
-    dim, (shape, obstacle) = body.gdim, body.rigid or (None, None)
+    assert body.rigid is not None
+    dim, shape, obstacle = body.gdim, *body.rigid
     velocity, force, torque, spin = np.zeros(dim), np.zeros(dim), np.zeros(3), np.array([0.0, 0.0, -0.03])
     velocity[0], velocity[-1], force[-1], torque[2] = 0.02, -0.04, -0.002, 0.0005
     inertia = np.diag([0.5, 0.7, 0.6])
@@ -302,7 +303,8 @@ def block_under_body(domain: Mesh, degree: int, friction: float) -> TwoBodies:
         inertia[0, 1] = inertia[1, 0] = 0.05
     moved: dict[str, Any] = {"mass": 2.0, "inertia": inertia, "velocity": velocity, "spin": spin, "force": force}
     ours = contact.RigidBody(shape, centre=shape.pivot, torque=torque, **moved)
-    body.rigid = ours, obstacle
+    both: Any = ours, obstacle
+    body.rigid = both
     body.moving = impact_reference.RigidBody(obstacle, torque=torque, **moved)
     return body
 
