@@ -208,8 +208,8 @@ def rotation_vector(angle: ArrayLike) -> FloatArray:
     Args:
         angle: rotation vector, shape (3), or the angle about the third axis [1].
     """
-    given = floats(angle)
-    return np.array([0.0, 0.0, float(given)]) if given.ndim == 0 else vector(given)
+    given = floats(angle).ravel()
+    return np.array([0.0, 0.0, given[0]]) if given.size == 1 else vector(given)
 
 
 class Contact:
