@@ -24,7 +24,7 @@ void SteadySlip::set_back(const ContactPair& pair, const Vector& u, ContactHisto
 {
   history.u = u - way(u);
   if (pair.rigid)
-    history.displacement = pair.rigid->displacement - obstacle_;
+    history.place.displacement = pair.rigid->place.displacement - obstacle_;
 }
 
 void SteadySlip::differentiate(Mortar& mortar) const

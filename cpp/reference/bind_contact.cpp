@@ -51,6 +51,7 @@ Rigid rigid(const Obstacle& o, int gdim)
           vec(o.point, gdim),
           {0, 0, 1},
           o.radius,
+          vec(o.pivot, gdim),
           {}};
   if (r.shape == Rigid::Shape::plane or (r.shape == Rigid::Shape::cylinder and gdim == 3))
   {
@@ -75,7 +76,13 @@ Basis basis_of(const std::string& name)
   throw std::invalid_argument("unknown basis '" + name + "': use 'dual', 'standard' or 'linear'");
 }
 
-using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Integers, Vector, Matrix>;
+// Vectors of rotation have three components in the plane, too.
+RigidPlace rigid_place(const Vector& displacement, const Vector& angle, int gdim)
+{
+  return {vec(displacement, gdim), vec(angle, 3)};
+}
+
+using State = std::tuple<Vector, Vector, Vector, Vector, Matrix, Matrix, Integers, Vector, Matrix, Vector>;
 
 class Bound
 {
@@ -108,24 +115,25 @@ public:
                                   " finite values, but " + std::to_string(u.size()) + " were given");
   }
 
-  ContactPair at(const Vector& displacement) const
+  ContactPair at(const Vector& displacement, const Vector& angle) const
   {
     ContactPair pair = pair_;
     if (pair.rigid)
-      pair.rigid->displacement = vec(displacement, gdim_);
+      pair.rigid->place = rigid_place(displacement, angle, gdim_);
     return pair;
   }
 
   ContactHistory history(const Vector& u, const Vector& displacement, const Matrix& traction, const Matrix& slip,
-                         const Integers& touched) const
+                         const Integers& touched, const Vector& angle) const
   {
     check(u);
-    return {u, vec(displacement, gdim_), traction, slip, touched};
+    return {u, rigid_place(displacement, angle, gdim_), traction, slip, touched};
   }
 
   auto tuple(const ContactHistory& h) const
   {
-    return std::make_tuple(h.u, vector(h.displacement, gdim_), h.traction, h.slip, h.touched);
+    return std::make_tuple(h.u, vector(h.place.displacement, gdim_), h.traction, h.slip, h.touched,
+                           vector(h.place.angle, 3));
   }
 
   auto tuple(const ContactPoints& p) const
@@ -136,24 +144,25 @@ public:
 
   ContactState state(const State& s) const
   {
-    const auto& [u, load, history_u, displacement, traction, slip, touched, multiplier, z] = s;
+    const auto& [u, load, history_u, displacement, traction, slip, touched, multiplier, z, angle] = s;
     check(u);
-    return {u, load, history(history_u, displacement, traction, slip, touched), multiplier, z};
+    return {u, load, history(history_u, displacement, traction, slip, touched, angle), multiplier, z};
   }
 
   auto tuple(const ContactSolution& s) const
   {
     const ContactState& t = s.state;
-    return std::make_tuple(std::make_tuple(t.u, t.load, t.history.u, vector(t.history.displacement, gdim_),
-                                           t.history.traction, t.history.slip, t.history.touched, t.multiplier, t.z),
+    return std::make_tuple(std::make_tuple(t.u, t.load, t.history.u, vector(t.history.place.displacement, gdim_),
+                                           t.history.traction, t.history.slip, t.history.touched, t.multiplier, t.z,
+                                           vector(t.history.place.angle, 3)),
                            s.contact_force, s.reactions, s.iterations, s.residuals, tuple(s.points), s.pressure, s.gap,
                            integers(s.status));
   }
 
   ContactLoads loads(const std::vector<std::int64_t>& fixed, const Vector& values, const Vector& load,
-                     const Vector& displacement) const
+                     const Vector& displacement, const Vector& angle) const
   {
-    return {fixed, values, load, vec(displacement, gdim_)};
+    return {fixed, values, load, rigid_place(displacement, angle, gdim_)};
   }
 
   ContactPair pair_;
@@ -170,13 +179,13 @@ void bind_contact(nb::module_& m)
       .def(
           "__init__",
           [](Bound* self, const Model& model, const Cells& slave, const Cells& master,
-             const std::vector<std::tuple<std::string, Vector, Vector, double>>& obstacle, double friction,
+             const std::vector<std::tuple<std::string, Vector, Vector, double, Vector>>& obstacle, double friction,
              Dofs prescribed, double search_distance)
           {
             std::vector<Obstacle> list;
             list.reserve(obstacle.size());
-            for (const auto& [shape, point, direction, radius] : obstacle)
-              list.push_back({shape, point, direction, radius});
+            for (const auto& [shape, point, direction, radius, pivot] : obstacle)
+              list.push_back({shape, point, direction, radius, pivot});
             new (self) Bound(model, slave, master, list, friction, prescribed, search_distance);
           },
           nb::keep_alive<1, 2>())
@@ -189,21 +198,22 @@ void bind_contact(nb::module_& m)
            })
       .def_prop_ro("num_facets", [](const Bound& s) { return s.pair_.slave.facets.size(); })
       .def("penalty",
-           [](const Bound& s, P points, V weights, V displacement, V u, double chi, double chi_t, V history_u,
-              V history_displacement, P traction, P slip, const Integers& touched, V multiplier)
+           [](const Bound& s, P points, V weights, V displacement, V angle, V u, double chi, double chi_t, V history_u,
+              V history_displacement, P traction, P slip, const Integers& touched, V history_angle, V multiplier)
            {
              s.check(u);
-             const Penalty r = penalty(s.at(displacement), {points, weights}, u, chi, chi_t,
-                                       s.history(history_u, history_displacement, traction, slip, touched), multiplier);
+             const Penalty r = penalty(
+                 s.at(displacement, angle), {points, weights}, u, chi, chi_t,
+                 s.history(history_u, history_displacement, traction, slip, touched, history_angle), multiplier);
              return std::make_tuple(r.force, csr(r.tangent, u.size()), s.tuple(r.points), s.tuple(r.history));
            })
       .def("mortar",
-           [](const Bound& s, P points, V weights, V displacement, const std::string& basis, V u, V history_u,
-              V history_displacement, P z)
+           [](const Bound& s, P points, V weights, V displacement, V angle, const std::string& basis, V u, V history_u,
+              V history_displacement, V history_angle, P z)
            {
              s.check(u);
-             const ContactHistory h = s.history(history_u, history_displacement, {}, {}, {});
-             const Mortar r = mortar(s.at(displacement), {points, weights}, basis_of(basis), u, h, z);
+             const ContactHistory h = s.history(history_u, history_displacement, {}, {}, {}, history_angle);
+             const Mortar r = mortar(s.at(displacement, angle), {points, weights}, basis_of(basis), u, h, z);
              const std::int64_t n = z.rows();
              Matrix gamma = Matrix::Zero(n, s.gdim_), normal = gamma, moved = gamma;
              Vector cover = Vector::Zero(n);
@@ -221,47 +231,50 @@ void bind_contact(nb::module_& m)
            })
       .def("solve_penalty",
            [](const Bound& s, P points, V weights, P contact_points, V contact_weights, double chi, double chi_t,
-              const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int steps, int iterations,
               double tolerance, bool augmented)
            {
              return s.tuple(solve_penalty(s.pair_, ElasticForces(s.pair_.model, {points, weights}),
                                           {contact_points, contact_weights}, chi, chi_t, s.state(state),
-                                          s.loads(fixed, values, load, displacement),
+                                          s.loads(fixed, values, load, displacement, angle),
                                           {steps, iterations, tolerance, augmented}));
            })
       .def("solve_lagrange",
            [](const Bound& s, P points, V weights, P contact_points, V contact_weights, const std::string& basis,
-              const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int steps, int iterations,
               double tolerance)
            {
              return s.tuple(solve_lagrange(s.pair_, ElasticForces(s.pair_.model, {points, weights}),
                                            {contact_points, contact_weights}, basis_of(basis), s.state(state),
-                                           s.loads(fixed, values, load, displacement), {steps, iterations, tolerance}));
+                                           s.loads(fixed, values, load, displacement, angle),
+                                           {steps, iterations, tolerance}));
            })
       .def("step_penalty",
            [](const Bound& s, const MovingBodies& bodies, P points, V weights, double chi, double chi_t,
-              const State& state, Dofs fixed, V values, V load, V displacement, int iterations, double tolerance)
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int iterations,
+              double tolerance)
            {
              return s.tuple(solve_penalty(s.pair_, bodies, {points, weights}, chi, chi_t, s.state(state),
-                                          s.loads(fixed, values, load, displacement),
+                                          s.loads(fixed, values, load, displacement, angle),
                                           {1, iterations, tolerance, false, false, 2}));
            })
       .def("step_lagrange",
            [](const Bound& s, const MovingBodies& bodies, P points, V weights, const std::string& basis,
-              const State& state, Dofs fixed, V values, V load, V displacement, int iterations, double tolerance)
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int iterations,
+              double tolerance)
            {
              return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
-                                           s.loads(fixed, values, load, displacement),
+                                           s.loads(fixed, values, load, displacement, angle),
                                            {1, iterations, tolerance, false, false, 2}));
            })
       .def("step_rolling",
            [](const Bound& s, const RollingBodies& bodies, P points, V weights, const std::string& basis,
-              const State& state, Dofs fixed, V values, V load, V displacement, int steps, int iterations,
+              const State& state, Dofs fixed, V values, V load, V displacement, V angle, int steps, int iterations,
               double tolerance, V flow, const Integers& indptr, const Integers& indices, V data, V obstacle)
            {
              const SteadySlip steady(flow, csr(indptr, indices, data), vec(obstacle, s.gdim_), s.gdim_);
              return s.tuple(solve_lagrange(s.pair_, bodies, {points, weights}, basis_of(basis), s.state(state),
-                                           s.loads(fixed, values, load, displacement),
+                                           s.loads(fixed, values, load, displacement, angle),
                                            {steps, iterations, tolerance, false, false, 2}, &steady));
            })
       .def("slave_nodes", [](const Bound& s) { return field_nodes(s.pair_.slave); })

@@ -10,7 +10,7 @@ namespace impact_reference
 {
 namespace
 {
-using Obstacles = std::vector<std::tuple<std::string, Vector, Vector, double>>;
+using Obstacles = std::vector<std::tuple<std::string, Vector, Vector, double, Vector>>;
 
 // What both kinds of contact are made of; master has no facets if there is an obstacle. A search distance that is not a
 // number stands for the default one. Normals of a smooth master at the vertices of its facets, or none.
@@ -29,13 +29,13 @@ NodePairs node_pairs(const Model& model, const Cells& slave, const Cells& master
       smooth(other, master, normals);
     return {model, surface(model, slave, "slave"), std::move(other), {}, search_distance, mass, displacement};
   }
-  const auto& [shape, point, direction, radius] = obstacle[0];
+  const auto& [shape, point, direction, radius, pivot] = obstacle[0];
   if (displacement.cols() != model.gdim() or not displacement.allFinite())
     throw std::invalid_argument("the obstacle's displacements must be finite, a row per time level");
   return {model,
           surface(model, slave, "slave"),
           {},
-          rigid({shape, point, direction, radius}, model.gdim()),
+          rigid({shape, point, direction, radius, pivot}, model.gdim()),
           search_distance,
           mass,
           displacement};
@@ -85,7 +85,7 @@ void bind_explicit(nb::module_& m)
              double search_distance, V mass, P displacement, P slave_normals, P master_normals,
              const std::array<double, 3>& gaps, double friction, double penalty, bool balanced, P points, V weights,
              P mass_points, V mass_weights, const std::string& lumping, const std::vector<PlasticBody*>& plastic,
-             const std::vector<std::shared_ptr<RigidBall>>& ball, double stiffness_step)
+             const std::vector<std::shared_ptr<RigidBall>>& ball, double stiffness_step, P angles)
           {
             check_friction(friction);
             if (not(penalty >= 0) or not std::isfinite(penalty))
@@ -94,6 +94,7 @@ void bind_explicit(nb::module_& m)
               throw std::invalid_argument("a balanced pair needs a deformable master: leave out balanced");
             std::vector<NodePairs> pairs{
                 node_pairs(model, slave, master, obstacle, search_distance, mass, displacement, master_normals)};
+            pairs[0].set_angles(angles);
             if (not ball.empty())
               pairs[0].set_ball(ball[0]);
             if (balanced)

@@ -34,12 +34,13 @@ inline Csr csr(const Integers& indptr, const Integers& indices, const Vector& da
           {data.data(), data.data() + data.size()}};
 }
 
-/// Shape, point, direction, radius of a rigid master; displacements come with every call.
+/// Shape, point, direction, radius of a rigid master and what it turns about; places come with every call.
 struct Obstacle
 {
   std::string shape;
   Vector point, direction;
   double radius;
+  Vector pivot;
 };
 /// @throws std::invalid_argument for wrong sizes, zero directions and radii
 Rigid rigid(const Obstacle& o, int gdim);

@@ -29,11 +29,11 @@ using Flags = Eigen::Matrix<std::int64_t, Eigen::Dynamic, 1>;
 /// Converged state friction refers to.
 struct ContactHistory
 {
-  Vector u;                 ///< (num_dofs) [L]
-  Vec<double> displacement; ///< of the rigid obstacle [L]
-  Matrix traction;          ///< tangential, per slave point (num_points, gdim) [F/L^2]
-  Matrix slip;              ///< sum of the steps, per slave point (num_points, gdim) [L]
-  Flags touched;            ///< per slave point: 1 where it was closed
+  Vector u;         ///< (num_dofs) [L]
+  RigidPlace place; ///< of the rigid obstacle
+  Matrix traction;  ///< tangential, per slave point (num_points, gdim) [F/L^2]
+  Matrix slip;      ///< sum of the steps, per slave point (num_points, gdim) [L]
+  Flags touched;    ///< per slave point: 1 where it was closed
 };
 
 enum class ContactStatus : std::int64_t

@@ -37,7 +37,7 @@ double diameter(const Facet& facet)
   return longest;
 }
 
-Configuration::Configuration(const NodePairs& pairs, const Vector& u, const Vec<double>& obstacle)
+Configuration::Configuration(const NodePairs& pairs, const Vector& u, const RigidPlace& obstacle)
     : pairs_(pairs), u_(u), obstacle_(obstacle)
 {
   if (pairs.rigid_)
@@ -146,13 +146,13 @@ Approach::Approach(const NodePairs& pairs, const Vector& end, const Vector& move
 
 Configuration Approach::at(double theta) const
 {
-  return {pairs_, end_ - (1 - theta) * moved_, pairs_.obstacle(level_) - (1 - theta) * pairs_.master_moved(level_)};
+  return {pairs_, end_ - (1 - theta) * moved_, pairs_.obstacle_before(level_, 1 - theta)};
 }
 
 Meeting Approach::departure(std::size_t i, bool closed) const
 {
   if (not first_)
-    first_.emplace(pairs_, end_ - moved_, pairs_.obstacle(level_) - pairs_.master_moved(level_));
+    first_.emplace(pairs_, end_ - moved_, pairs_.obstacle_before(level_, 1));
   return first_->meet(i, moved_, closed);
 }
 

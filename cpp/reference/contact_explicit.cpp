@@ -85,7 +85,9 @@ Vec<double> NodePairs::master_moved(int n) const
 
 Vec<double> NodePairs::master_moved(int n, const Vec<double>& x) const
 {
-  return ball_ ? ball_->moved_at(x) : master_moved(n);
+  if (ball_ or not turns() or n == 0)
+    return ball_ ? ball_->moved_at(x) : master_moved(n);
+  return motion_of_point(rigid_->pivot, obstacle(n - 1), obstacle(n), x);
 }
 
 double NodePairs::slave_area() const
@@ -96,11 +98,39 @@ double NodePairs::slave_area() const
   return sum;
 }
 
-Vec<double> NodePairs::obstacle(int n) const
+RigidPlace NodePairs::obstacle(int n) const
 {
   if (ball_)
-    return ball_->displacement();
-  return rigid_ ? get(displacement_, n) : Vec<double>{};
+    return {ball_->displacement(), {}};
+  if (not rigid_)
+    return {};
+  return {get(displacement_, n), turns() ? get(angles_, n) : Vec<double>{}};
+}
+
+RigidPlace NodePairs::obstacle_before(int n, double part) const
+{
+  const RigidPlace now = obstacle(n);
+  const RigidPlace place{now.displacement - part * master_moved(n), now.angle};
+  return turns() and n > 0 ? RigidPlace{place.displacement, (1 - part) * now.angle + part * get(angles_, n - 1)}
+                           : place;
+}
+
+Eigen::Matrix3d NodePairs::master_turned(int n) const
+{
+  Eigen::Matrix3d out = Eigen::Matrix3d::Identity();
+  for (int c = 0; turns() and n > 0 and c < 3; ++c)
+  {
+    Vec<double> e;
+    e[c] = 1;
+    const Vec<double> column = turned(get(angles_, n), turned(-1.0 * get(angles_, n - 1), e));
+    out.col(c) << column[0], column[1], column[2];
+  }
+  return out;
+}
+
+Vec<double> NodePairs::arm(int n, const Vec<double>& x) const
+{
+  return rigid_ ? x - rigid_->pivot - obstacle(n).displacement : Vec<double>{};
 }
 
 double NodePairs::smallest_diameter() const

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "RigidBall.h"
+#include "RigidPlace.h"
 #include "contact_projection.h"
 #include "explicit.h"
 #include <functional>
@@ -68,9 +69,18 @@ public:
 
   Vec<double> at(const Vector& field, std::int64_t node) const; ///< a node's value of a field
   Vec<double> position(const Vector& u, std::int64_t node) const;
-  Vec<double> obstacle(int n) const;                           ///< displacement of the rigid master at t_n [L]
+  RigidPlace obstacle(int n) const; ///< place of the rigid master at t_n
+  /// The same a part of the step before t_n.
+  RigidPlace obstacle_before(int n, double part) const;
   Vec<double> master_moved(int n) const;                       ///< of the rigid master, from t_(n-1) to t_n [L]
   Vec<double> master_moved(int n, const Vec<double>& x) const; ///< the same of its point that is at x at t_n [L]
+  /// The rigid master turns as prescribed: rotation vectors, a row per time level t_0 ... t_(N+1) [1].
+  void set_angles(Matrix angles) { angles_ = std::move(angles); }
+  bool turns() const { return angles_.rows() > 0; }
+  /// The rotation of the rigid master from t_(n-1) to t_n.
+  Eigen::Matrix3d master_turned(int n) const;
+  /// From what the rigid master turns about to a point at t_n [L].
+  Vec<double> arm(int n, const Vec<double>& x) const;
   /// The rigid master is a ball that forces move; none: it moves as prescribed.
   RigidBall* ball() const { return ball_.get(); }
   void set_ball(std::shared_ptr<RigidBall> ball) { ball_ = std::move(ball); }
@@ -108,7 +118,7 @@ private:
   double search_distance_ = 0;
   std::vector<double> shift_; // added to the gap, per slave node; empty: nothing [L]
   Vector mass_;
-  Matrix displacement_;
+  Matrix displacement_, angles_;
   std::vector<std::int64_t> nodes_;
   std::map<std::int64_t, double> areas_, master_areas_;
   NodalStiffness stiffness_, master_stiffness_;
@@ -121,8 +131,8 @@ double diameter(const Facet& facet);
 class Configuration
 {
 public:
-  /// @param obstacle displacement of the rigid master [L]
-  Configuration(const NodePairs& pairs, const Vector& u, const Vec<double>& obstacle);
+  /// @param obstacle place of the rigid master
+  Configuration(const NodePairs& pairs, const Vector& u, const RigidPlace& obstacle);
   Configuration(const Configuration&) = delete;
 
   /// The closest point of slave node i.
@@ -135,7 +145,7 @@ private:
 
   const NodePairs& pairs_;
   Vector u_;
-  Vec<double> obstacle_;
+  RigidPlace obstacle_;
   std::map<std::int64_t, Vec<double>> normals_;
   std::optional<Projector> projector_;
 };
@@ -212,6 +222,7 @@ public:
   bool kinematic() const override { return false; }
   std::vector<std::int64_t> nodes() const override { return directions_[0].pairs.nodes(); }
   Vec<double> master_moved(int n) const override { return directions_[0].pairs.master_moved(n); }
+  Eigen::Matrix3d master_turned(int n) const override { return directions_[0].pairs.master_turned(n); }
   RigidBall* ball() const override { return directions_[0].pairs.ball(); }
 
   /// What a given penalty adds to the square of the highest frequency at most [1/T^2].

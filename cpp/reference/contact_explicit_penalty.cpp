@@ -132,6 +132,10 @@ void NodalPenalty::evaluate(Direction& direction, const ContactStep& step, bool 
       pairs.add(answer_.force, f, node, m);
       pairs.add_moment(answer_.force, f, step.u, node, m);
       answer_.total = answer_.total + sign * f;
+      const Vec<double> r = pairs.arm(step.n, m.x);
+      for (int a = 0; a < 3; ++a)
+        for (int b = 0; b < 3; ++b)
+          answer_.moment(a, b) += f[a] * r[b];
       if (RigidBall* ball = pairs.ball())
         ball->add(f, m.x);
     }

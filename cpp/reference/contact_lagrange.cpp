@@ -134,7 +134,7 @@ private:
   {
     ContactPair then = pair;
     if (then.rigid)
-      then.rigid->displacement = start.history.displacement;
+      then.rigid->place = start.history.place;
     const Mortar m = mortar(then, rule_, basis_, start.u, start.history, start.z);
     opening_.assign(start.z.rows(), std::numeric_limits<double>::infinity());
     for (const auto& [number, node] : m.nodes)
@@ -241,7 +241,8 @@ private:
     if (not pair.prescribed[dof] or state.u(dof) + change(dof) != before.u(dof))
       return false;
     if (pair.rigid)
-      return pair.rigid->displacement[c] == before.displacement[c];
+      return pair.rigid->place.displacement[c] == before.place.displacement[c] and
+             norm(pair.rigid->place.angle - before.place.angle) == 0;
     return std::any_of(m.M.begin(), m.M.end(),
                        [&](const auto& e) { return e.row() == number and pair.prescribed[d_ * e.col() + c]; });
   }
@@ -337,7 +338,7 @@ private:
     state.history = before;
     state.history.u = state.u;
     if (pair.rigid)
-      state.history.displacement = pair.rigid->displacement;
+      state.history.place = pair.rigid->place;
   }
 
   const detail::System& system_;

@@ -171,9 +171,13 @@ void against_obstacle(const ContactPair& pair, const Rigid& rigid, const Rule& r
     Vec<T> x;
     for (int c = 0; c < d; ++c)
       x[c] = T::variable(pair.model.field().points(number, c) + u(d * number + c), c);
-    const auto g = gap_and_normal<T>(rigid, rigid.displacement, x);
+    const auto g = gap_and_normal<T>(rigid, rigid.place, x);
     const Vec<T> gamma = (node.cover * g.gap) * g.normal;
-    node.moved.value = node.moved.value - node.cover * (rigid.displacement - history.displacement);
+    // Slip is that against the obstacle's point where the node was.
+    Vec<double> before = at(history.u, number);
+    for (int c = 0; c < d; ++c)
+      before[c] += pair.model.field().points(number, c);
+    node.moved.value = node.moved.value - node.cover * motion_from(rigid.pivot, history.place, rigid.place, before);
     node.gamma.value = values(gamma);
     node.normal.value = values(g.normal);
     for (int c = 0; c < d; ++c)

@@ -100,7 +100,7 @@ public:
            Flags::Zero(count)};
     result.history.u = u_;
     if (pair_.rigid)
-      result.history.displacement = pair_.rigid->displacement;
+      result.history.place = pair_.rigid->place;
     for (std::int64_t i = 0; i < count; ++i)
     {
       const PointData data{chi,
@@ -139,10 +139,10 @@ private:
     const Facet* other = nullptr;
     if (pair_.rigid)
     {
-      const auto g = gap_and_normal<T>(*pair_.rigid, pair_.rigid->displacement, s.x);
+      const auto g = gap_and_normal<T>(*pair_.rigid, pair_.rigid->place, s.x);
       gap = g.gap;
       normal = g.normal;
-      moved = moved - constant<T>(pair_.rigid->displacement - history_.displacement);
+      moved = moved - motion_of_point<T>(pair_.rigid->pivot, history_.place, pair_.rigid->place, s.x);
     }
     else
     {
@@ -200,7 +200,7 @@ private:
     const auto before = gather(pair_.slave, facet, history_.u);
     const Spot<double> s = spot(pair_.slave, facet, before, {xi[0], xi[1]});
     if (pair_.rigid)
-      return gap_and_normal<double>(*pair_.rigid, history_.displacement, s.x).gap + shift;
+      return gap_and_normal<double>(*pair_.rigid, history_.place, s.x).gap + shift;
     if (not projector_n_)
       throw std::logic_error("a deformable master without a projector of state n");
     const Foot foot = projector_n_->closest(s.x, s.normal());

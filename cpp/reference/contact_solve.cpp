@@ -78,7 +78,7 @@ ContactSolution solve_in_steps(const System& system, const ContactPair& bodies, 
     throw std::invalid_argument("steps and max_iterations must be at least 1 and tolerance positive");
   const ContactLoads& loads = system.loads_;
   const Vector values_n = loads.values - system.missing(start.u, loads.values)(loads.fixed_dofs);
-  const Vec<double> displacement_n = start.history.displacement;
+  const RigidPlace place_n = start.history.place;
   ContactSolution solution;
   solution.state = start;
   double factor = 0, size = 1.0 / options.steps;
@@ -90,7 +90,7 @@ ContactSolution solve_in_steps(const System& system, const ContactPair& bodies, 
     const Target target{(1 - next) * values_n + next * loads.values, (1 - next) * start.load + next * loads.load};
     ContactPair pair = bodies;
     if (pair.rigid)
-      pair.rigid->displacement = (1 - next) * displacement_n + next * loads.displacement;
+      pair.rigid->place = (1 - next) * place_n + next * loads.place;
     ContactSolution trial = solution;
     bool converged = false;
     try

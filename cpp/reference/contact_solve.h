@@ -11,9 +11,9 @@ namespace impact_reference
 struct ContactLoads
 {
   std::vector<std::int64_t> fixed_dofs;
-  Vector values;            ///< on the fixed degrees of freedom [L]
-  Vector load;              ///< (num_dofs) [F]
-  Vec<double> displacement; ///< of the rigid obstacle [L]
+  Vector values;    ///< on the fixed degrees of freedom [L]
+  Vector load;      ///< (num_dofs) [F]
+  RigidPlace place; ///< of the rigid obstacle
 };
 
 struct ContactOptions

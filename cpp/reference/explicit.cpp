@@ -342,7 +342,13 @@ private:
         const auto half_sum = [](const Vec<double>& a, const Vec<double>& b) { return 0.5 * (a + b); };
         // A moving obstacle does work as a prescribed motion does; a ball that forces move has energy of its own.
         if (not contact.ball())
+        {
           energies_(external_energy) += dot(half_sum(last.total, now.total), master);
+          // Forces before the step are carried on by its rotation, those after it have been carried there.
+          const Eigen::Matrix3d turn = contact.master_turned(n), one = Eigen::Matrix3d::Identity();
+          energies_(external_energy) += (turn - one).cwiseProduct(last.moment).sum() / 2;
+          energies_(external_energy) += (one - turn.transpose()).cwiseProduct(now.moment).sum() / 2;
+        }
         if (contact.kinematic())
         {
           const double all = (last.force + now.force).dot(moved) / 2 - dot(half_sum(last.total, now.total), master);

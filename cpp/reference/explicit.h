@@ -34,6 +34,8 @@ struct ContactAnswer
   double stored = 0;     ///< in penalty springs [F L]
   double dissipated = 0; ///< by slip, since the start, of penalty springs [F L]
   double absorbed = 0;   ///< by normal forces of penalty springs and not stored, since the start [F L]
+  /// Sum of force times arm, f_a r_b, from what a rigid master turns about [F L].
+  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
 };
 
 /// What weighs on the nodes when kinematic contacts share out their overlaps.
@@ -78,6 +80,8 @@ public:
   virtual std::vector<std::int64_t> nodes() const = 0; ///< of the slave, increasing
   /// How far the rigid master moved from t_(n-1) to t_n [L].
   virtual Vec<double> master_moved(int n) const = 0;
+  /// The rotation of the rigid master from t_(n-1) to t_n.
+  virtual Eigen::Matrix3d master_turned(int) const { return Eigen::Matrix3d::Identity(); }
   const ContactAnswer& answer() const { return answer_; }
 
 protected:

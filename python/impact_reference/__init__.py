@@ -15,7 +15,10 @@ from . import (
     newmark,
     plastic_body,
     plasticity,
+    rigid_body,
+    rigid_meeting,
     rolling,
+    rotation,
     rules,
     sparse,
     streamlines,
@@ -59,6 +62,7 @@ from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
+from .rigid_body import RigidBody
 from .rolling import RollingModel, RollingSolution, Spinning, Translating
 from .rules import (
     default_rule,
@@ -96,6 +100,7 @@ __all__ = [
     "PlasticElement",
     "PlasticStates",
     "RigidBall",
+    "RigidBody",
     "RigidCylinder",
     "RigidPlane",
     "RigidSphere",
@@ -146,7 +151,10 @@ __all__ = [
     "plasticity",
     "quadrature",
     "reference_nodes",
+    "rigid_body",
+    "rigid_meeting",
     "rolling",
+    "rotation",
     "rules",
     "second_piola",
     "shape_functions",

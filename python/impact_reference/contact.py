@@ -28,11 +28,15 @@ class RigidPlane:
         point: point of the plane, shape (gdim) [L].
         normal: normal that points out of the half-space, shape (gdim) [1].
         displacement: rigid displacement, shape (gdim) [L].
+        angle: rotation vector, shape (3), in the plane a number, by which it turns before it is displaced [1].
+        pivot: point that it turns about, shape (gdim); None: the point or the centre [L].
     """
 
     point: ArrayLike
     normal: ArrayLike
     displacement: ArrayLike = 0.0
+    angle: ArrayLike = 0.0
+    pivot: ArrayLike | None = None
 
 
 @dataclass
@@ -43,11 +47,15 @@ class RigidSphere:
         center: centre, shape (gdim) [L].
         radius: radius [L].
         displacement: rigid displacement, shape (gdim) [L].
+        angle: rotation vector, shape (3), in the plane a number, by which it turns before it is displaced [1].
+        pivot: point that it turns about, shape (gdim); None: the point or the centre [L].
     """
 
     center: ArrayLike
     radius: float
     displacement: ArrayLike = 0.0
+    angle: ArrayLike = 0.0
+    pivot: ArrayLike | None = None
 
 
 @dataclass
@@ -59,20 +67,25 @@ class RigidCylinder:
         radius: radius [L].
         axis: direction of the axis, shape (3); None in the plane [1].
         displacement: rigid displacement, shape (gdim) [L].
+        angle: rotation vector, shape (3), in the plane a number, by which it turns before it is displaced [1].
+        pivot: point that it turns about, shape (gdim); None: the point or the centre [L].
     """
 
     center: ArrayLike
     radius: float
     axis: ArrayLike | None = None
     displacement: ArrayLike = 0.0
+    angle: ArrayLike = 0.0
+    pivot: ArrayLike | None = None
 
 
 Obstacle: TypeAlias = Union[RigidPlane, RigidSphere, RigidCylinder]
-# Shape, point, direction and radius as the compiled module takes them.
-_ObstacleData: TypeAlias = tuple[str, FloatArray, FloatArray, float]
-# u, load, u at the history, obstacle's displacement, traction, slip, touched, penalty multipliers, mortar multipliers.
+# Shape, point, direction, radius and pivot as the compiled module takes them.
+_ObstacleData: TypeAlias = tuple[str, FloatArray, FloatArray, float, FloatArray]
+# u, load, u at the history, obstacle's displacement, traction, slip, touched, penalty multipliers, mortar multipliers,
+# obstacle's rotation vector.
 _State: TypeAlias = tuple[
-    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray, FloatArray, FloatArray
+    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, IntArray, FloatArray, FloatArray, FloatArray
 ]
 
 
@@ -85,6 +98,7 @@ class History:
     traction: FloatArray  # tangential, at the slave's points (num_points, gdim) [F/L^2]
     slip: FloatArray  # sum over the steps (num_points, gdim) [L]
     touched: IntArray  # 1 where a point was closed (num_points)
+    angle: FloatArray = field(default_factory=lambda: np.zeros(3))  # rotation vector of the rigid master (3) [1]
 
 
 @dataclass
@@ -177,13 +191,25 @@ class ContactSolution:
 
 def _obstacle(master: Obstacle, gdim: int) -> _ObstacleData:
     zero = np.zeros(gdim)
+    point = vector(master.point if isinstance(master, RigidPlane) else master.center)
+    pivot = point if master.pivot is None else vector(master.pivot)
     if isinstance(master, RigidPlane):
-        return ("plane", vector(master.point), vector(master.normal), 0.0)
+        return ("plane", point, vector(master.normal), 0.0, pivot)
     axis = master.axis if isinstance(master, RigidCylinder) else None
     if isinstance(master, RigidCylinder) and gdim == 3 and axis is None:
         raise ValueError("a rigid cylinder in space needs an axis")
     shape = "sphere" if isinstance(master, RigidSphere) else "cylinder"
-    return (shape, vector(master.center), zero if axis is None else vector(axis), float(master.radius))
+    return (shape, point, zero if axis is None else vector(axis), float(master.radius), pivot)
+
+
+def rotation_vector(angle: ArrayLike) -> FloatArray:
+    """A rotation as a vector of three components.
+
+    Args:
+        angle: rotation vector, shape (3), or the angle about the third axis [1].
+    """
+    given = floats(angle).ravel()
+    return np.array([0.0, 0.0, given[0]]) if given.size == 1 else vector(given)
 
 
 class Contact:
@@ -297,6 +323,14 @@ class Contact:
             return np.zeros(self.gdim)
         return np.broadcast_to(floats(self.obstacle.displacement), (self.gdim,)).copy()
 
+    def _angle(self) -> FloatArray:
+        return np.zeros(3) if self.obstacle is None else rotation_vector(self.obstacle.angle)
+
+    def pivot(self) -> FloatArray:
+        """What the rigid master turns about, before it is displaced, shape (gdim) [L]."""
+        assert self.obstacle is not None
+        return _obstacle(self.obstacle, self.gdim)[4]
+
     def no_history(self) -> History:
         """History of a contact that was never closed.
 
@@ -307,12 +341,14 @@ class Contact:
         touched = np.zeros(self.num_points, dtype=np.int64)
         return History(np.zeros(self.model.num_dofs), np.zeros(self.gdim), zero, zero.copy(), touched)
 
-    def _history(self, history: History | None) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray]:
+    def _history(
+        self, history: History | None
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, IntArray, FloatArray]:
         h = self.no_history() if history is None else history
         traction, slip = floats(h.traction), floats(h.slip)
         if traction.shape != (self.num_points, self.gdim) or slip.shape != traction.shape:
             raise ValueError(f"a history of this contact has {self.num_points} points, found {traction.shape}")
-        return vector(h.u), vector(h.displacement), traction, slip, integers(h.touched, "touched", 1)
+        return vector(h.u), vector(h.displacement), traction, slip, integers(h.touched, "touched", 1), vector(h.angle)
 
     def closest_points(self, u: ArrayLike) -> Points:
         """Closest points of the master to the slave's quadrature points.
@@ -357,6 +393,7 @@ class Contact:
         force, tangent, points, history = self._contact.penalty(
             *self.facet_rule,
             self._displacement(),
+            self._angle(),
             vector(u),
             float(chi),
             float(chi_t),
@@ -395,10 +432,12 @@ class Contact:
         D, M, gamma, normals, moved, cover, part, force, tangent = self._contact.mortar(
             *self.segment_rule(),
             self._displacement(),
+            self._angle(),
             basis,
             vector(u),
             vector(h.u),
             vector(h.displacement),
+            vector(h.angle),
             z,
         )
         D, M, tangent = (Csr(*a.arrays) for a in (D, M, tangent))
@@ -410,15 +449,15 @@ class Contact:
         h, nodes = self.no_history(), len(self.model.field_points)
         load = np.zeros(self.model.num_dofs)
         z = np.zeros((nodes, self.gdim))
-        return (h.u, load, h.u, h.displacement, h.traction, h.slip, h.touched, np.zeros(0), z)
+        return (h.u, load, h.u, h.displacement, h.traction, h.slip, h.touched, np.zeros(0), z, h.angle)
 
     def _loads(
         self, fixed_dofs: ArrayLike, values: ArrayLike, load: ArrayLike | None
-    ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    ) -> tuple[IntArray, FloatArray, FloatArray, FloatArray, FloatArray]:
         fixed = integers(fixed_dofs, "fixed_dofs", 1)
         values = np.broadcast_to(floats(values), fixed.shape).copy()
         load = np.zeros(self.model.num_dofs) if load is None else vector(load)
-        return fixed, values, load, self._displacement()
+        return fixed, values, load, self._displacement(), self._angle()
 
     def solve_penalty(
         self,
@@ -473,7 +512,7 @@ class Contact:
         state, force, reactions, iterations, residuals, points, *_ = result
         p = Points(*points)
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:7])
+        history = History(state[2], state[3], state[4], state[5], state[6], state[9])
         return ContactSolution(
             state[0], p.pressure, p.traction, p.gap, p.status, *common, points=p, history=history, state=state
         )
@@ -525,7 +564,7 @@ class Contact:
         normals = self.mortar(state[0], basis).normals
         traction = z - pressure[:, None] * normals
         common = (force, reactions, iterations, residuals)
-        history = History(*state[2:7])
+        history = History(state[2], state[3], state[4], state[5], state[6], state[9])
         return ContactSolution(
             state[0], pressure, traction, gap, status, *common, multipliers=z, history=history, state=state
         )

@@ -84,7 +84,9 @@ class _Nodal:
         motion: TimeValues | None,
         normals: dict[str, ArrayLike | None],
         gaps: tuple[float, float | None, float | None] = (0.0, None, None),
+        angle: TimeValues | None = None,
     ) -> None:
+        self.angle = angle
         self.gaps = [np.nan if value is None else float(value) for value in gaps]  # offset, clearance, adjust
         self.slave, self.master, self.friction = slave, master, float(friction)
         self.normals = normals
@@ -93,6 +95,8 @@ class _Nodal:
         self.rigid = isinstance(master, (RigidPlane, RigidSphere, RigidCylinder, RigidBall))
         if motion is not None and isinstance(master, RigidBall):
             raise ValueError("a ball moves by forces: it takes no motion")
+        if angle is not None and not isinstance(master, (RigidPlane, RigidSphere, RigidCylinder)):
+            raise ValueError("an angle is for rigid obstacles")
         if motion is not None and not self.rigid:
             raise ValueError("motion is for rigid masters; a deformable one moves with its nodes")
         if self.rigid and any(given is not None for given in normals.values()):
@@ -146,6 +150,7 @@ class NodalPenalty(_Nodal):
             facet [L].
         motion: displacement of a rigid master over time: shape (gdim), a function of t, or a table (times, values) with
             values of shape (n, gdim); None takes `master.displacement` at all times [L].
+        angle: rotation vector of a rigid obstacle over time, likewise, shape (3); None: it does not turn [1].
         stiffness_step: step that springs without a given penalty are made for; None: each step of the run [T].
         master_normals: of a smooth master (docs/contact.md, "Smooth surfaces"): normals at the vertices of its facets,
             shape (num_facets, vertices per facet, gdim), not a number for that of the facet; None: facets as they are.
@@ -174,10 +179,11 @@ class NodalPenalty(_Nodal):
         offset: float = 0.0,
         clearance: float | None = None,
         adjust: float | None = None,
+        angle: TimeValues | None = None,
     ) -> None:
         self.stiffness_step = stiffness_step
         normals = {"slave": slave_normals, "master": master_normals}
-        super().__init__(slave, master, friction, search_distance, motion, normals, (offset, clearance, adjust))
+        super().__init__(slave, master, friction, search_distance, motion, normals, (offset, clearance, adjust), angle)
         if penalty is not None and not penalty > 0:
             raise ValueError(f"penalty is {penalty!r}: it must be positive, or None")
         self.penalty, self.balanced = penalty, bool(balanced)
@@ -189,7 +195,10 @@ class NodalPenalty(_Nodal):
         rules = *model._rule("stiffness"), *model._rule("mass"), lumping, [] if plastic is None else [plastic]
         ball = [self.master.bind(model.points.shape[1])] if isinstance(self.master, RigidBall) else []
         given = self.friction, float(self.penalty or 0), self.balanced
-        return _reference.NodalPenalty(*arguments, *given, *rules, ball, float(self.stiffness_step or 0))
+        angles: FloatArray = np.zeros((0, 3))
+        if self.angle is not None:
+            angles = _time_levels(self.angle, times, 3, "angle")
+        return _reference.NodalPenalty(*arguments, *given, *rules, ball, float(self.stiffness_step or 0), angles)
 
 
 class NodalKinematic(_Nodal):

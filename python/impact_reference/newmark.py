@@ -25,6 +25,8 @@ from .array_types import ArrayLike, BoolArray, FloatArray, IntArray, TimeValues,
 from .contact import Contact, History, _State
 from .explicit import Load, _loads, _time_levels
 from .discretisation import Discretisation
+from .rigid_body import MovingBody, RigidBody, RigidState, find_root, forces_on
+from .rotation import angle_of, matrix_of
 
 ENERGIES = ("kinetic", "internal", "contact", "friction", "damping", "plastic", "external", "total")
 
@@ -90,6 +92,8 @@ class ImplicitContact:
         basis: basis of the multipliers, as in `Contact.mortar`.
         motion: displacement of a rigid master over time: shape (gdim), a function of t, or a table (times, values);
             None takes `displacement` of the obstacle at all times [L].
+        angle: rotation vector of a rigid master over time, likewise, shape (3) [1].
+        body: rigid body whose surface the obstacle is; it moves by forces.
 
     Raises:
         ValueError: penalties that are not positive, or a motion of a deformable master.
@@ -100,11 +104,13 @@ class ImplicitContact:
     chi_t: float | None = None
     basis: str = "dual"
     motion: TimeValues | None = None
+    angle: TimeValues | None = None
+    body: RigidBody | None = None
 
     def __post_init__(self) -> None:
         if any(c is not None and not c > 0 for c in (self.chi, self.chi_t)):
             raise ValueError(f"penalties must be positive, found chi = {self.chi!r}, chi_t = {self.chi_t!r}")
-        if self.motion is not None and self.contact.obstacle is None:
+        if (self.motion is not None or self.angle is not None) and self.contact.obstacle is None:
             raise ValueError("motion is for rigid masters; a deformable one moves with its nodes")
         self.chi_t = self.chi if self.chi_t is None else self.chi_t
 
@@ -140,6 +146,7 @@ class NewmarkResult:
     plastic_strain: FloatArray = field(
         default_factory=lambda: np.zeros((0, 0))
     )  # of a PlasticBody (num_levels, points)
+    bodies: list[RigidState] = field(default_factory=list)  # the rigid body at all time levels, if there is one
 
 
 @dataclass
@@ -158,8 +165,11 @@ class _Level:
     support: FloatArray
     total: FloatArray  # on the slave
     obstacle: FloatArray  # displacement of it
+    angle: FloatArray  # its rotation vector
+    torque: FloatArray  # on it, about its pivot
     springs: float = 0.0
     points: tuple[FloatArray, FloatArray, FloatArray, IntArray] | None = None  # pressure, traction, gap, status
+    body: RigidState | None = None
 
 
 class _Run:
@@ -204,10 +214,16 @@ class _Run:
         if np.any(self.massless & ~np.repeat(surface, self.gdim)):
             raise ValueError("a node has no mass: give every material a density, or take another lumping scheme")
         self.obstacle: FloatArray = np.zeros((len(times), self.gdim))
+        self.angles: FloatArray = np.zeros((len(times), 3))
         if contact is not None and contact.contact.obstacle is not None:
             table = contact.contact.obstacle.displacement if contact.motion is None else contact.motion
             self.obstacle = _time_levels(table, times, self.gdim, "motion")
+            turns = contact.contact.obstacle.angle if contact.angle is None else contact.angle
+            self.angles = _time_levels(turns, times, 3, "angle")
         self.friction_work = 0.0
+        self.body: MovingBody | None = None
+        if contact is not None and contact.body is not None:
+            self.body = MovingBody(contact.body, self.gdim, scheme)
         self.slave: IntArray = np.zeros(0, dtype=np.int64)
         if contact is not None:
             self.slave = contact.contact._contact.slave_nodes()
@@ -215,6 +231,14 @@ class _Run:
     def on_slave(self, force: FloatArray) -> FloatArray:
         """Sum of nodal contact forces on the slave."""
         return force.reshape(-1, self.gdim)[self.slave].sum(axis=0)
+
+    def forces_on_master(self, force: FloatArray, u: FloatArray, place: FloatArray) -> FloatArray:
+        """Force of contact on a rigid master, and torque about its pivot."""
+        if self.contact is None or self.contact.contact.obstacle is None:
+            return np.zeros(6)
+        pivot = self.contact.contact.pivot()
+        centre = np.pad(pivot + place, (0, 3 - self.gdim))
+        return forces_on(self.contact.contact, force, u, centre)
 
     def prescribed(self, level: int, u0: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Displacements, velocities and accelerations of the fixed dofs at a time level."""
@@ -243,8 +267,8 @@ class _Run:
             h = c.no_history()
             z = np.zeros((len(self.model.field_points), self.gdim))
             if self.contact.chi is not None:
-                self._place(place)
-                before = replace(h, u=u.copy(), displacement=place.copy())
+                self._place(place, self.angles[0])
+                before = replace(h, u=u.copy(), displacement=place.copy(), angle=self.angles[0].copy())
                 p = c.penalty(u, self.contact.chi, self.contact.chi_t, before)
                 h, contact_force = p.history, p.force
                 springs = self._springs(p.points.weight, p.pressure, p.traction)
@@ -253,7 +277,18 @@ class _Run:
                 count = len(self.model.field_points)
                 open_nodes = np.zeros(count, dtype=np.int64)
                 points = (np.zeros(count), np.zeros((count, self.gdim)), np.full(count, np.inf), open_nodes)
-            state = (u, load, u.copy(), place.copy(), h.traction, h.slip, h.touched, np.zeros(0), z)
+            state = (
+                u,
+                load,
+                u.copy(),
+                place.copy(),
+                h.traction,
+                h.slip,
+                h.touched,
+                np.zeros(0),
+                z,
+                self.angles[0].copy(),
+            )
         internal, damping = self.bodies.internal_force(u), self.bodies.damping_force(u, v)
         unknown = ~self.is_fixed & ~self.massless
         a = self.bodies.solve_acceleration(load + contact_force - internal - damping, a, unknown.tolist())
@@ -261,12 +296,16 @@ class _Run:
         support = np.where(self.is_fixed, inertia + damping + internal - load - contact_force, 0.0)
         place, total = self.obstacle[0], self.on_slave(contact_force)
         forces = load, inertia, damping, internal, contact_force, support, total
-        return _Level(u, v, a, a.copy(), *forces, place, springs, points), state
+        on_master = self.forces_on_master(contact_force, u, place)
+        body = None if self.body is None else self.body.start(on_master)
+        at = place, self.angles[0], on_master[3:]
+        return _Level(u, v, a, a.copy(), *forces, *at, springs, points, body), state
 
-    def _place(self, displacement: FloatArray) -> None:
+    def _place(self, displacement: FloatArray, angle: FloatArray) -> None:
         """Put the obstacle in its place."""
         if self.contact is not None and self.contact.contact.obstacle is not None:
             self.contact.contact.obstacle.displacement = displacement.copy()
+            self.contact.contact.obstacle.angle = angle.copy()
 
     def _springs(self, weight: FloatArray, pressure: FloatArray, traction: FloatArray) -> float:
         assert self.contact is not None and self.contact.chi is not None and self.contact.chi_t is not None
@@ -289,8 +328,13 @@ class _Run:
         f = self.fixed
         a_slope[f], a_rest[f], v_slope[f], v_rest[f] = 0.0, accelerations, 0.0, speeds
         self.bodies.set_motion(old.u, a_slope, a_rest, v_slope, v_rest)
-        load, place = self.load(number), self.obstacle[number]
-        solved = self._solve(old, state, values, load, place)
+        load, place, angle = self.load(number), self.obstacle[number], self.angles[number]
+        body: RigidState | None = None
+        if self.body is None:
+            solved = self._solve(old, state, values, load, place, angle)
+        else:
+            solved, body = self._solve_with_body(old, state, values, load, h)
+            place, angle = body.displacement[: self.gdim], angle_of(body.rotation)
         u, support, contact_force, iterations, springs, points, state = solved
         v, a = self.bodies.velocity(u), self.bodies.acceleration(u)
         A = A_slope * (u - old.u) + A_rest
@@ -298,10 +342,38 @@ class _Run:
         internal, damping = self.bodies.internal_force(u), self.bodies.damping_force(u, v)
         inertia = self.bodies.inertia_force(a)
         forces = load, inertia, damping, internal, contact_force, support, self.on_slave(contact_force)
-        return _Level(u, v, a, A, *forces, place, springs, points), state, iterations
+        at = place, angle, self.forces_on_master(contact_force, u, place)[3:]
+        return _Level(u, v, a, A, *forces, *at, springs, points, body), state, iterations
+
+    def _solve_with_body(
+        self, old: _Level, state: _State | None, values: FloatArray, load: FloatArray, h: float
+    ) -> tuple[tuple[Any, ...], RigidState]:
+        """The end of a step of the deformable bodies and of the rigid one together."""
+        assert self.body is not None and old.body is not None
+        moving, before, work = self.body, old.body, self.friction_work
+        last: list[Any] = []
+
+        def missing(q: FloatArray) -> tuple[FloatArray, float]:
+            at = moving.end(before, h, q, np.zeros(6))
+            self.friction_work = work
+            place = at.displacement[: self.gdim]
+            solved = self._solve(old, state, values, load, place, angle_of(at.rotation))
+            body = moving.end(before, h, q, self.forces_on_master(solved[2], solved[0], place))
+            last[:] = solved, body
+            return moving.lacks(body)
+
+        guess = h * before.rate[moving.free] + h**2 / 2.0 * before.mean[moving.free]
+        find_root(missing, guess, 1e-6, 1e-11)
+        return last[0], last[1]
 
     def _solve(
-        self, old: _Level, state: _State | None, values: FloatArray, load: FloatArray, place: FloatArray
+        self,
+        old: _Level,
+        state: _State | None,
+        values: FloatArray,
+        load: FloatArray,
+        place: FloatArray,
+        angle: FloatArray,
     ) -> tuple[Any, ...]:
         """Displacement at the end of a step and what belongs to it."""
         if self.contact is None:
@@ -309,8 +381,8 @@ class _Run:
             u, support, iterations, _ = result
             return u, support, np.zeros(u.size), iterations, 0.0, None, None
         c, compiled = self.contact.contact, self.contact.contact._contact
-        self._place(place)
-        arguments = state, self.fixed, values, load, place, *self.newton
+        self._place(place, angle)
+        arguments = state, self.fixed, values, load, place, angle, *self.newton
         assert state is not None
         if self.contact.chi is not None:
             result = compiled.step_penalty(self.bodies, *c.facet_rule, self.contact.chi, self.contact.chi_t, *arguments)
@@ -322,7 +394,7 @@ class _Run:
         result = compiled.step_lagrange(self.bodies, *c.segment_rule(), self.contact.basis, *arguments)
         after, force, support, iterations, _, _, pressure, gap, status = result
         z = after[8]
-        before = replace(c.no_history(), u=state[2], displacement=state[3])
+        before = replace(c.no_history(), u=state[2], displacement=state[3], angle=state[9])
         m = c.mortar(after[0], self.contact.basis, z, before)
         traction = z - pressure[:, None] * m.normals
         slip = m.moved - np.sum(m.moved * m.normals, axis=1)[:, None] * m.normals
@@ -337,7 +409,7 @@ class _Run:
         """Part of a node's motion that is slip: one that was open slides freely over friction times its gap."""
         assert self.contact is not None
         c, z = self.contact.contact, state[8]
-        self._place(old.obstacle)
+        self._place(old.obstacle, old.angle)
         m = c.mortar(old.u, self.contact.basis, z, before)
         touched = (np.sum(z * m.normals, axis=1) > 0.0) | (m.gap <= 1e-12)
         free = np.where(touched, 0.0, c.friction * m.gap)
@@ -420,12 +492,12 @@ def run_newmark(
     )  # fmt: skip
     zero = np.zeros(model.num_dofs)
     obstacle = None if contact is None else contact.contact.obstacle
-    place = None if obstacle is None else obstacle.displacement
+    place = None if obstacle is None else (obstacle.displacement, obstacle.angle)
     try:
         return _levels(run, zero if u0 is None else vector(u0), zero if v0 is None else vector(v0))
     finally:
         if obstacle is not None and place is not None:
-            obstacle.displacement = place
+            obstacle.displacement, obstacle.angle = place
 
 
 def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
@@ -457,7 +529,10 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
         works["internal"].append(works["internal"][-1] + _work(old, level, "internal"))
         works["damping"].append(works["damping"][-1] + _work(old, level, "damping"))
         outside = _work(old, level, "load") + _work(old, level, "support")
-        outside += float((old.total + level.total) @ (level.obstacle - old.obstacle)) / 2
+        if run.body is None:
+            outside += float((old.total + level.total) @ (level.obstacle - old.obstacle)) / 2
+            turned = angle_of(matrix_of(level.angle) @ matrix_of(old.angle).T)
+            outside -= float((old.torque + level.torque) @ turned) / 2
         works["external"].append(works["external"][-1] + outside)
     energies = {
         "kinetic": np.array([x.v @ run.bodies.inertia_force(x.v) / 2 for x in levels]),
@@ -466,6 +541,9 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
         **{name: np.array(works[name]) for name in ("friction", "damping", "external")},
         "plastic": np.zeros(len(levels)) if plastic is None else np.array(works["internal"]) - np.array(stored),
     }
+    if run.body is not None:
+        energies["kinetic"] += [x.body.kinetic for x in levels if x.body is not None]
+        energies["external"] += [x.body.work for x in levels if x.body is not None]
     energies["total"] = sum(values for name, values in energies.items() if name != "external") - energies["external"]
     history = None
     if run.contact is not None:
@@ -474,6 +552,7 @@ def _levels(run: _Run, u0: FloatArray, v0: FloatArray) -> NewmarkResult:
         history = NewmarkContactHistory(total, force, *rows)
     u, v, a, support = (np.array([getattr(x, name) for x in levels]) for name in ("u", "v", "a", "support"))
     result = NewmarkResult(times, u, v, a, support, energies, iterations, history)
+    result.bodies = [x.body for x in levels if x.body is not None]
     if plastic is not None:
         result.plastic_strain = np.array(strains)
     return result

@@ -351,7 +351,17 @@ class RollingModel:
         def solved(friction: float, state: _State | None, number: int) -> ContactSolution:
             assert contact is not None
             compiled = contact._compiled(friction)
-            arguments = (state, fixed, at_fixed, total, contact._displacement(), number, max_iterations, tolerance)
+            arguments = (
+                state,
+                fixed,
+                at_fixed,
+                total,
+                contact._displacement(),
+                contact._angle(),
+                number,
+                max_iterations,
+                tolerance,
+            )
             result = compiled.step_rolling(bodies, *contact.segment_rule(), basis, *arguments, *flow)
             after, force, reactions, iterations, residuals, _, pressure, gap, status = result
             nothing = np.zeros((len(pressure), self.gdim))

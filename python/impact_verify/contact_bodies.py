@@ -145,6 +145,7 @@ class TwoBodies(matched_body.Body):
 
     Attributes:
         adjustment: offset, clearance and adjust of the pair, on both sides [L].
+        moving: the other side's rigid body whose surface its obstacle is, in implicit and static problems; else None.
     """
 
     def __init__(
@@ -161,6 +162,7 @@ class TwoBodies(matched_body.Body):
         super().__init__(domain, degree, material, **options)
         self.tags, self.friction, self.rigid, self.prescribed = tags, friction, rigid, prescribed
         self.adjustment: dict[str, Any] = {}
+        self.moving: impact_reference.RigidBody | None = None
         self.u = fem.Function(self.V, name="u")
         self.facet = facet_of(self.cell)
         self.segment = "triangle" if self.gdim == 3 else "interval"

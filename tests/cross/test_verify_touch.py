@@ -79,6 +79,8 @@ def gaps(case, x, t):
         obstacle, motion = case.body.rigid[1], np.zeros(x.shape[1]) if case.obstacle is None else case.obstacle(t)
         if isinstance(obstacle, impact_reference.RigidBall):  # it flies on
             motion = obstacle.velocity[: x.shape[1]] * t
+        elif case.body.moving is not None:
+            motion = np.asarray(case.body.moving.velocity)[: x.shape[1]] * t
         points = x[np.unique(slave)] - motion
         if hasattr(obstacle, "radius"):
             return np.linalg.norm(points - obstacle.center[: x.shape[1]], axis=1) - obstacle.radius

@@ -65,7 +65,7 @@ class _Rigid(Fixed):
         self._motion: Any = None
         self._angle: Any = None
         self._pivot: FloatArray | None = None
-        self._shared: dict[int, _cpp.gap.Rigid] = {}
+        self._shared: dict[tuple[int, bool, tuple[float, ...]], _cpp.gap.Rigid] = {}
 
     def __repr__(self) -> str:
         moved = f", displacement={self._displacement.tolist()}" if np.any(self._displacement) else ""
@@ -186,17 +186,21 @@ class _Rigid(Fixed):
             "(positive: the obstacle is solid, negative: a hole that holds the body), or correct the slave's tag"
         )
 
-    def shared(self, gdim: int) -> _cpp.gap.Rigid:
+    def shared(self, gdim: int, turns: bool = False) -> _cpp.gap.Rigid:
         """The obstacle at rest on the C++ side, one object for all contacts by multipliers, which know by it that they
         have the same master.
 
         Args:
             gdim: dimension of the meshes.
+            turns: whether the problem rotates it.
         """
-        if gdim not in self._shared:
-            self._shared[gdim] = self.obstacle(gdim)
-            self._shared[gdim].orientation_hint = self.orientation_hint()
-        return self._shared[gdim]
+        key = gdim, turns, tuple(map(float, self.pivot))
+        if key not in self._shared:
+            made = self.obstacle(gdim)
+            made.rotates = turns
+            made.orientation_hint = self.orientation_hint()
+            self._shared[key] = made
+        return self._shared[key]
 
     def obstacle(self, gdim: int) -> _cpp.gap.Rigid:
         """The obstacle on the C++ side, on meshes of a dimension."""

@@ -106,8 +106,8 @@ class StaticBody:
 
 class RigidBody(_Rigid):
     """A rigid body that contact forces and loads move: the master of one or several pairs. ExplicitProblem and
-    NewmarkProblem with Penalty contact have its motion; StaticProblem moves it until the forces on it cancel, with
-    Penalty, and translations with Lagrange. docs/rigid_bodies.md has the equations.
+    NewmarkProblem have its motion; StaticProblem moves it until the forces on it cancel. Explicit problems take
+    Penalty, the others Lagrange, too. docs/rigid_bodies.md has the equations.
 
     Its results, at the present time of the problem that was made with it last, have three components in the plane too.
 

@@ -16,6 +16,9 @@ from .placed_bodies import (
     GAP,
     at_rest,
     block_under_ball,
+    block_under_cam,
+    cam_angle,
+    cam_angle_in_plane,
     block_under_cylinder,
     body_of,
     cylinder_motion,
@@ -275,6 +278,26 @@ def rigid_ball(cell: str, degree: int, variation: RandomVariation | None = None)
         yield Scenario(name, body, at_rest, contact="penalty", options=options, fixed_nodes=nodes_at_bottom(body))
 
 
+def cam(cell: str, degree: int, variation: RandomVariation | None = None) -> Iterator[Scenario]:
+    """A rigid cylinder, in space a ball, that turns about a point beside its centre presses on a block and rubs it.
+
+    Args:
+        cell: cell.
+        degree: degree of the displacement, 1 or 2.
+        variation: not used.
+
+    Yields:
+        Runs.
+    """
+    plane = cell in ("triangle", "quadrilateral")
+    body = block_under_cam(distorted_block.block(cell, 6 if plane else 3), degree, 0.3)
+    yield Scenario(
+        "block under a rigid cam, penalty", body, at_rest, contact="penalty", fixed_nodes=nodes_at_bottom(body),
+        obstacle=lambda t: -0.03 * np.sin(t / 4) * np.eye(body.gdim)[-1],
+        angle=cam_angle_in_plane if plane else cam_angle, steps=250 if plane else 60,
+    )  # fmt: skip
+
+
 def without_contact(cell: str, degree: int, variation: RandomVariation | None = None) -> Iterator[Scenario]:
     """A body without contact: schemes, damping, viscosity, loads and prescribed motion.
 
@@ -359,6 +382,8 @@ RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("quadrilateral", 1, rigid),
     ("quadrilateral", 1, rigid_ball),
     ("hexahedron", 1, rigid_ball),
+    ("quadrilateral", 1, cam),
+    ("hexahedron", 1, cam),
     ("quadrilateral", 1, touching),
     ("triangle", 1, touching),
     ("hexahedron", 1, touching),

@@ -13,8 +13,12 @@ from ..contact_bodies import two_bodies
 from .explicit_runs import founded
 from .placed_bodies import (
     at_rest,
+    block_under_body,
+    block_under_cam,
     block_under_cylinder,
     body_of,
+    cam_angle,
+    cam_angle_in_plane,
     cylinder_motion,
     disc_on_block,
     falling,
@@ -28,7 +32,7 @@ from .placed_bodies import (
     standing_block,
     thrown_down,
 )
-from .scenario import Implicit, MakeScenarios, Scenario
+from .scenario import Accuracy, Implicit, MakeScenarios, Scenario
 from .variation import RandomVariation
 
 # Seeds and steps of the variations of runs of two bodies, by dimension.
@@ -204,6 +208,41 @@ def rigid(cell: str, degree: int, variation: RandomVariation | None = None) -> I
         )  # fmt: skip
 
 
+RIGID = Accuracy(1e-7, "the rigid body's equilibrium, to 1e-8 of the forces in each of the steps")
+
+
+def cam(cell: str, degree: int, variation: RandomVariation | None = None) -> Iterator[Scenario]:
+    """A rigid cylinder, in space a ball, turns about a point beside its centre, as prescribed or moved by forces.
+
+    Args:
+        cell: cell.
+        degree: degree of the displacement, 1 or 2.
+        variation: not used.
+
+    Yields:
+        Runs.
+    """
+    plane = cell in ("triangle", "quadrilateral")
+    domain = distorted_block.block(cell, 5 if plane else 2)
+    body = block_under_cam(domain, degree, 0.3)
+    low = nodes_at_bottom(body)
+    for kind in ("penalty", "lagrange"):
+        yield Scenario(
+            f"block under a rigid cam, {kind}", body, at_rest, Implicit({"rho_inf": 0.7}, dt=0.2), kind,
+            fixed_nodes=low, obstacle=lambda t: -0.02 * np.sin(t / 4) * np.eye(body.gdim)[-1],
+            angle=cam_angle_in_plane if plane else cam_angle, steps=60 if kind == "penalty" else 20,
+        )  # fmt: skip
+    runs: list[tuple[str, float, dict[str, float]]] = [("penalty", 0.3, {"rho_inf": 0.8})]
+    if plane:
+        runs += [("penalty", 0.0, {}), ("lagrange", 0.3, {"rho_inf": 0.8})]
+    for kind, friction, parameters in runs:
+        body = block_under_body(domain, degree, friction)
+        yield Scenario(
+            f"block under a rigid body, {kind}{'' if friction else ', smooth'}", body, at_rest,
+            Implicit(parameters, dt=0.1), kind, fixed_nodes=low, steps=20, agreement=RIGID,
+        )  # fmt: skip
+
+
 RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("quadrilateral", 1, without_contact),
     ("triangle", 2, without_contact),
@@ -217,4 +256,6 @@ RUNS: tuple[tuple[str, int, MakeScenarios], ...] = (
     ("hexahedron", 1, blocks),
     ("tetrahedron", 1, blocks),
     ("quadrilateral", 1, rigid),
+    ("quadrilateral", 1, cam),
+    ("hexahedron", 1, cam),
 )

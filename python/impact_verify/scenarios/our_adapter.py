@@ -59,6 +59,7 @@ def _contacts(case: Scenario) -> list[Any]:
     body, motion = case.body, case.obstacle
     if body.rigid and not isinstance(body.rigid[0], contact.RigidBody):
         body.rigid[0].motion = None if motion is None else lambda t: np.pad(motion(t), (0, 3 - body.gdim))
+        body.rigid[0].angle = case.angle
     if case.contact == "general":
         return [contact.GeneralContact(body.tags, friction=body.friction)]
     if isinstance(case.scheme, Explicit):

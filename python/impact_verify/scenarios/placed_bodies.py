@@ -247,6 +247,68 @@ def block_under_ball(domain: Mesh, degree: int, friction: float) -> TwoBodies:
     return body_of(domain, face_tags(domain, 1.0), degree, hypothesis, friction=friction, rigid=ball)
 
 
+def block_under_cam(domain: Mesh, degree: int, friction: float) -> TwoBodies:
+    """A block under a rigid cylinder, in space a ball, that turns about a point beside its centre.
+
+    Args:
+        domain: mesh of the block.
+        degree: degree of the displacement, 1 or 2.
+        friction: coefficient [1].
+    """
+    dim, radius = domain.geometry.dim, 0.8
+    center = np.array([0.47, 0.44, 1.803] if dim == 3 else [0.47, 1.803])
+    pivot = center + np.array([0.05, -0.07, 0.02] if dim == 3 else [0.05, 0.02])
+    round_body = ("RigidSphere", "RigidCylinder")[3 - dim]
+    ours, theirs = (getattr(module, round_body)(center, radius) for module in (contact, impact_reference))
+    ours.pivot = theirs.pivot = pivot
+    hypothesis = "3d" if dim == 3 else "plane_strain"
+    return body_of(domain, face_tags(domain, 1.0), degree, hypothesis, friction=friction, rigid=(ours, theirs))
+
+
+def cam_angle(t: float) -> FloatArray:
+    """Rotation vector of a cam in space, (3) [1].
+
+    Args:
+        t: time [T].
+    """
+    return np.array([0.02 * np.sin(t / 3), 0.05 * np.sin(t / 4), -0.03 * np.sin(t / 5)])
+
+
+def cam_angle_in_plane(t: float) -> FloatArray:
+    """Rotation vector of a cam in the plane, (3) [1].
+
+    Args:
+        t: time [T].
+    """
+    return np.array([0.0, 0.0, 0.06 * np.sin(t / 4)])
+
+
+def block_under_body(domain: Mesh, degree: int, friction: float) -> TwoBodies:
+    """A block under a rigid cylinder, in space a ball, whose centre of mass is beside its own; it falls with spin under
+    its weight and a torque.
+
+    Args:
+        domain: mesh of the block.
+        degree: degree of the displacement, 1 or 2.
+        friction: coefficient [1].
+    """
+    body = block_under_cam(domain, degree, friction)
+    assert body.rigid is not None
+    dim, shape, obstacle = body.gdim, *body.rigid
+    velocity, force, torque, spin = np.zeros(dim), np.zeros(dim), np.zeros(3), np.array([0.0, 0.0, -0.03])
+    velocity[0], velocity[-1], force[-1], torque[2] = 0.02, -0.04, -0.002, 0.0005
+    inertia = np.diag([0.5, 0.7, 0.6])
+    if dim == 3:
+        spin[:2] = 0.02, -0.04
+        inertia[0, 1] = inertia[1, 0] = 0.05
+    moved: dict[str, Any] = {"mass": 2.0, "inertia": inertia, "velocity": velocity, "spin": spin, "force": force}
+    ours = contact.RigidBody(shape, centre=shape.pivot, torque=torque, **moved)
+    both: Any = ours, obstacle
+    body.rigid = both
+    body.moving = impact_reference.RigidBody(obstacle, torque=torque, **moved)
+    return body
+
+
 def cylinder_motion(t: float) -> FloatArray:
     """Displacement of the cylinder, (2) [L].
 

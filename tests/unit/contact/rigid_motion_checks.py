@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Rigid bodies in implicit steps, and rotations in statics and as prescribed. See on_ranks.py."""
 
+import functools
+
 import numpy as np
 from dolfinx import fem
 from mpi4py import MPI
@@ -13,15 +15,16 @@ from dolfinx_impact import interface
 COMM = MPI.COMM_WORLD
 
 
-def implicit(comm, dim, master, friction=0.3, bcs=False, cells=None, law=None, penalty={}, **options):
+def implicit(
+    comm, dim, master, friction=0.3, bcs=False, cells=None, law=None, penalty={}, method=di.Penalty, **options
+):  # fmt: skip
     """The implicit problem of rigid_body_checks.thrown."""
     V, tags = block(comm, dim, cells)
     material = di.NeoHookean(100.0, 0.3, 1.0, "plane_strain" if dim == 2 else "3d")
     pair = di.ContactPair(tags, 1, master, friction=0.0 if law else friction)
     held = [fem.dirichletbc(np.zeros(dim), fem.locate_dofs_topological(V, dim - 1, tags.find(2)), V)] if bcs else []
-    return di.NewmarkProblem(
-        fem.Function(V), material, bcs=held, contact=[di.Penalty(pair, law=law, **penalty)], **options
-    )
+    contact = di.Lagrange(pair) if method is di.Lagrange else di.Penalty(pair, law=law, **penalty)
+    return di.NewmarkProblem(fem.Function(V), material, bcs=held, contact=[contact], **options)
 
 
 def momenta(problem, body):
@@ -40,7 +43,8 @@ def momenta(problem, body):
 def check_a_free_block_and_a_ball_in_implicit_steps():
     """Momentum stays to the tolerance of the solves, angular momentum and energy nearly; the ball moves as in explicit
     steps."""
-    for dim, dt, cells in ((2, 0.004, 8), (3, 0.01, 2)):
+    differences = {}
+    for dim, dt, cells in ((2, 0.004, 8), (3, 0.01, 2), *([(3, 0.01, 4)] if COMM.size == 1 else [])):
         body, other = ball(dim), ball(dim)
         problem = implicit(COMM, dim, body, cells=cells, penalty={"penalty": 300.0})
         before = momenta(problem, body)
@@ -53,29 +57,44 @@ def check_a_free_block_and_a_ball_in_implicit_steps():
         assert abs(problem.energy["drift"]) < 0.02, problem.energy
         explicit = thrown(COMM, dim, other, cells=cells, penalty=300.0)
         explicit.advance(0.2, progress=False)
-        # Another contact: of quadrature points here, of nodes there, and four facets in space.
-        np.testing.assert_allclose(body.position, other.position, rtol=0, atol=0.003 if dim == 2 else 0.015)
-        np.testing.assert_allclose(body.velocity, other.velocity, rtol=0, atol=0.06)
-        np.testing.assert_allclose(body.spin, other.spin, rtol=0, atol=0.15)
-        np.testing.assert_allclose(body.rotation, other.rotation, rtol=0, atol=0.02)
+        differences[dim, cells] = [
+            np.abs(getattr(body, name) - getattr(other, name)).max() for name in ("position", "rotation", "spin")
+        ]
+        if dim == 2:
+            np.testing.assert_allclose(body.position, other.position, rtol=0, atol=0.003)
+            np.testing.assert_allclose(body.velocity, other.velocity, rtol=0, atol=0.06)
+            np.testing.assert_allclose(body.spin, other.spin, rtol=0, atol=0.15)
+            np.testing.assert_allclose(body.rotation, other.rotation, rtol=0, atol=0.02)
+    if COMM.size == 1:
+        # Contact at quadrature points here, at nodes there: the difference is that of the meshes. Of position, rotation
+        # and spin it falls to 0.32, 0.13 and 0.16 with half the cells' size, and to 0.19, 0.11, 0.27 of that with half
+        # of it again (5e-4 of the ball's way); half the step changes 4e-3 of it.
+        coarse, fine = (np.array(differences[3, cells]) for cells in (2, 4))
+        assert np.all(fine < 0.5 * coarse), (coarse, fine)
+
+
+def check_multipliers_move_a_ball():
+    """Momentum stays to the solves' tolerance, angular momentum to second order; friction turns the ball."""
+    for dim, dt, cells in ((2, 0.01, 6), (3, 0.02, 2)):
+        body = ball(dim)
+        problem = implicit(COMM, dim, body, cells=cells, method=di.Lagrange)
+        before, spin = momenta(problem, body), body.spin
+        problem.advance(0.12, dt=dt, progress=False)
+        assert body.velocity[dim - 1] > -0.35 and np.abs(body.spin - spin).max() > 0.01, (body.velocity, body.spin)
+        np.testing.assert_allclose(momenta(problem, body)[:3], before[:3], rtol=0, atol=1e-7)
+        np.testing.assert_allclose(momenta(problem, body)[3:], before[3:], rtol=0, atol=1e-3 * np.abs(before).max())
+        # Multipliers that close gaps take energy (docs/implicit/contact.md): seen -0.0013 and -0.0006.
+        assert abs(problem.energy["drift"]) < 0.01, problem.energy
 
 
 def check_multipliers_move_a_ball_that_does_not_turn():
-    """Without inertia a body only translates, and multipliers will do: momentum stays to the solves' tolerance."""
-    for dim, dt, cells in ((2, 0.004, 8), (3, 0.01, 2)):
-        centre = [0.45, 0.55, 1.701] if dim == 3 else [0.45, 1.701]
-        shape = (di.RigidSphere if dim == 3 else di.RigidCylinder)(centre, 0.7)
-        body = di.RigidBody(shape, mass=0.5, velocity=[0.3] + [0.0] * (dim - 2) + [-0.5])
-        V, tags = block(COMM, dim, cells)
-        material = di.NeoHookean(100.0, 0.3, 1.0, "plane_strain" if dim == 2 else "3d")
-        contact = [di.Lagrange(di.ContactPair(tags, 1, body))]
-        problem = di.NewmarkProblem(fem.Function(V), material, contact=contact)
-        before = momenta(problem, body)
-        problem.advance(0.2, dt=dt, progress=False)
-        assert body.velocity[dim - 1] > -0.1, dim
-        np.testing.assert_allclose(momenta(problem, body)[:3], before[:3], rtol=0, atol=1e-7)
-        # Multipliers that close gaps take energy (docs/implicit/contact.md): seen -0.0013 and -0.0006.
-        assert abs(problem.energy["drift"]) < 0.01, problem.energy
+    """Without inertia a body only translates."""
+    body = di.RigidBody(di.RigidCylinder([0.45, 1.701], 0.7), mass=0.5, velocity=[0.3, -0.5])
+    problem = implicit(COMM, 2, body, friction=0.0, cells=4, method=di.Lagrange)
+    before = momenta(problem, body)
+    problem.advance(0.1, dt=0.01, progress=False)
+    assert body.velocity[1] > -0.3 and np.all(body.rotation == np.eye(3))
+    np.testing.assert_allclose(momenta(problem, body)[:3], before[:3], rtol=0, atol=1e-7)
 
 
 def check_a_free_body_in_implicit_steps():
@@ -114,7 +133,8 @@ def check_a_driven_body_is_an_obstacle():
         turn = np.array([0.0, 0.0, spin]) if dim == 2 else np.array(spin)
         shape.motion = lambda t, v=np.pad(velocity, (0, 3 - dim)): t * v
         shape.angle = lambda t, turn=turn: t * turn
-        for kind, steps in ((implicit, {"dt": 0.005}), (thrown, {})):
+        multipliers = functools.partial(implicit, method=di.Lagrange)
+        for kind, steps in ((implicit, {"dt": 0.005}), (multipliers, {"dt": 0.02}), (thrown, {})):
             cells = 8 if dim == 2 else 2
             one, other = kind(COMM, dim, body, bcs=True, cells=cells), kind(COMM, dim, shape, bcs=True, cells=cells)
             if kind is thrown:
@@ -130,16 +150,28 @@ def check_a_driven_body_is_an_obstacle():
             moving = body.kinetic_energy
             np.testing.assert_allclose(a["kinetic"] - moving, b["kinetic"], rtol=0, atol=1e-6 * a["internal"])
             np.testing.assert_allclose(a["external"], b["external"], rtol=1e-5)
-            # Of the work: the contact closes within implicit steps of a hundredth of the time.
-            assert abs(b["drift"]) < (0.03 if kind is implicit else 0.01), (dim, kind, b)
+            if kind is thrown:
+                assert abs(b["drift"]) < 0.01, (dim, b)
+                continue
+            # Friction's work is that of the traction at the end of each step: while the shear force grows evenly to F
+            # under a slip velocity v, that is more than the mean by h F v/2, and of first order.
+            slip = np.pad(velocity, (0, 3 - dim)) + np.cross(turn, -0.7 * np.eye(3)[dim - 1])
+            along = other.contact[0].force[: dim - 1]
+            excess = 0.5 * steps["dt"] * abs(along @ slip[: dim - 1])
+            assert abs(b["total"] - excess) < 0.25 * excess, (dim, b, excess)
 
 
 def check_implicit_checkpoints():
     """Written by all ranks, read by each alone and by all: the body is where it was, and goes on."""
 
+    for method in (di.Penalty, di.Lagrange):
+        _check_implicit_checkpoints(method)
+
+
+def _check_implicit_checkpoints(method):
     def make(comm):
         body = ball(2)
-        return implicit(comm, 2, body, bcs=True, cells=4), body
+        return implicit(comm, 2, body, bcs=True, cells=4, method=method), body
 
     whole, body = make(COMM)
     whole.advance(0.06, dt=0.01, progress=False)
@@ -168,41 +200,43 @@ def check_a_law_in_implicit_steps():
 
 def check_torques_in_statics():
     """A disc that friction holds: force and torque find the place and the angle that displacement control has."""
+    for method in (di.Penalty, di.Lagrange):
+        _check_torques_in_statics(method)
+
+
+def _check_torques_in_statics(method):
     body = di.RigidBody(round_body(2).surface, inertia=1.0, force=(0.0, -4.0), fixed="x")
-    problem = pressed(COMM, 2, di.Penalty, body, friction=0.5)
-    problem.solve()
-    pressed_only = body.position
-    body.external_torque = 0.2
-    problem.solve(steps=2)
+    problem = pressed(COMM, 2, method, body, friction=0.5)
+    path = []  # friction depends on it
+    for torque in (0.0, 0.1, 0.2):
+        body.external_torque = torque
+        problem.solve()
+        path.append((body.position - body.centre, np.arctan2(body.rotation[1, 0], body.rotation[0, 0])))
     # RigidEquilibrium::tolerance of the force; torques over the diagonal of the block.
     np.testing.assert_allclose(body.force[1], 4.0, rtol=0, atol=2e-7)
     np.testing.assert_allclose(body.torque, (0.0, 0.0, -0.2), rtol=0, atol=2e-7)
-    angle = np.arctan2(body.rotation[1, 0], body.rotation[0, 0])
-    assert angle > 1e-4
+    assert path[-1][1] > 1e-4
     shape = round_body(2).surface
     shape.angle = 0.0
-    other = pressed(COMM, 2, di.Penalty, shape, friction=0.5)
-    shape.displacement = pressed_only - body.centre
-    other.solve()
-    shape.displacement, shape.angle = body.position - body.centre, angle
-    other.solve(steps=2)
-    np.testing.assert_allclose(
-        other.contact[0].force, problem.contact[0].force, rtol=0, atol=0.01
-    )  # friction: another path
+    other = pressed(COMM, 2, method, shape, friction=0.5)
+    for shape.displacement, shape.angle in path:
+        other.solve()
+    np.testing.assert_allclose(other.contact[0].force, problem.contact[0].force, rtol=0, atol=1e-7)
 
 
 def check_a_plate_tilts():
     """A rigid half-space on a block, pressed beside its middle: it tilts until force and torque balance, in two and
     three dimensions, and turning it by the same angle gives the same forces."""
-    for dim, force in ((2, (0.0, -2.0, 0.0)), (3, (0.0, 0.0, -2.0))):
+    for dim, method in ((2, di.Penalty), (3, di.Penalty), (2, di.Lagrange), (3, di.Lagrange)):
+        force = -2.0 * np.eye(3)[dim - 1]
         V, tags = block(COMM, dim, 4 if dim == 2 else 2)
         law = di.LinearElastic(100.0, 0.3, 1.0, "plane_strain" if dim == 2 else "3d")
         held = fem.dirichletbc(np.zeros(dim), fem.locate_dofs_topological(V, dim - 1, tags.find(2)), V)
         up = np.eye(dim)[dim - 1]
         centre = np.append(np.full(dim - 1, 0.55), 1.3)
 
-        def problem(master, V=V, tags=tags, law=law, held=held):
-            contact = di.Penalty(di.ContactPair(tags, 1, master))
+        def problem(master, V=V, tags=tags, law=law, held=held, method=method):
+            contact = method(di.ContactPair(tags, 1, master))
             return di.StaticProblem(fem.Function(V), law, bcs=[held], contact=[contact])
 
         fixed = ("x",) if dim == 2 else ("x", "y", "rz")
@@ -243,10 +277,12 @@ def check_a_disc_rests_in_a_groove():
     radius, weight = 0.6, 3.0
     shape = di.RigidCylinder((0.0, 1.0 + np.sqrt(2.0) * radius), radius)
     law = di.LinearElastic(500.0, 0.2, 1.0, "plane_strain")
-    for friction, torque in ((0.0, 0.0), (0.4, 0.3)):
+    for friction, torque, method in (
+        (0.0, 0.0, di.Penalty), (0.4, 0.3, di.Penalty), (0.0, 0.0, di.Lagrange), (0.4, 0.3, di.Lagrange)
+    ):  # fmt: skip
         body = di.RigidBody(shape, force=(0.0, -weight), inertia=1.0 if torque else None)
         pairs = [di.ContactPair(tagged, k, body, friction=friction) for k in (1, 2)]
-        problem = di.StaticProblem(fem.Function(V), law, bcs=[held], contact=[di.Penalty(p) for p in pairs])
+        problem = di.StaticProblem(fem.Function(V), law, bcs=[held], contact=[method(p) for p in pairs])
         problem.solve()
         if torque:  # friction holds what is pressed
             body.external_torque = torque
@@ -257,5 +293,5 @@ def check_a_disc_rests_in_a_groove():
         np.testing.assert_allclose(body.torque, (0.0, 0.0, -torque), rtol=0, atol=1e-6)
         if not torque:
             np.testing.assert_allclose(left[1], right[1], rtol=1e-6)
-            # Points lie beside the foot of the disc's radius, as in check_a_disc_in_a_groove.
-            np.testing.assert_allclose(np.abs(left), 0.5 * weight, rtol=0.1)
+            # Points and nodes lie beside the foot of the disc's radius, as in check_a_disc_in_a_groove.
+            np.testing.assert_allclose(np.abs(left), 0.5 * weight, rtol=0.1 if method is di.Penalty else 0.3)

@@ -82,6 +82,8 @@ std::vector<double> JoinedNodes::known(std::span<const double> u) const
     out.insert(out.end(), step.start.begin(), step.start.end());
     out.insert(out.end(), step.start_displacement.begin(), step.start_displacement.end());
     out.insert(out.end(), step.displacement.begin(), step.displacement.end());
+    out.insert(out.end(), step.start_rotation.begin(), step.start_rotation.end());
+    out.insert(out.end(), step.rotation.begin(), step.rotation.end());
     out.insert(out.end(), step.driven.begin(), step.driven.end());
     out.insert(out.end(), g->offset.begin(), g->offset.end());
   }

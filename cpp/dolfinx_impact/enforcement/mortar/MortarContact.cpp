@@ -339,6 +339,11 @@ state::State MortarContact::saved_state()
   _totals.add_to(out, _geometry->gdim());
   const auto& place = _geometry->increment.displacement;
   out.add_own("master", state::Place::all, std::vector<double>(place.begin(), place.end()));
+  if (_geometry->turns())
+  {
+    const gap::Matrix3& turned = _geometry->increment.rotation;
+    out.add_own("rotation", state::Place::all, std::vector<double>(turned.begin(), turned.end()), 9);
+  }
   return out;
 }
 
@@ -347,7 +352,10 @@ void MortarContact::resume(const state::State& saved, std::span<const double> u)
   std::optional<std::array<double, 3>> place;
   if (_geometry->obstacle())
     std::ranges::copy(saved.values<double>("master"), place.emplace().begin());
-  _geometry->begin_step(u, place, {});
+  std::optional<gap::Matrix3> rotation;
+  if (_geometry->turns())
+    std::ranges::copy(saved.values<double>("rotation"), rotation.emplace().begin());
+  _geometry->begin_step(u, place, {}, rotation);
   update_gap(u);
   state().assign_common(saved);
   for (double& opening : _state.opening)
@@ -374,7 +382,25 @@ void MortarContact::begin_step(std::span<const double> u, const std::optional<st
     std::ranges::copy(opened(_geometry->now().gap), _state.opening.begin());
     _state.begun = 1;
   }
-  _geometry->begin_step(u, displacement, target);
+  _geometry->begin_step(u, displacement, target, _next_rotation);
+  _next_rotation.reset();
+}
+
+void MortarContact::set_rotation(const gap::Matrix3& rotation)
+{
+  if (!_geometry->turns())
+    throw std::invalid_argument(name() + ": the master does not turn: it was not made as one that rotates");
+  _next_rotation = rotation;
+}
+
+std::optional<gap::Matrix3> MortarContact::rotation() const
+{
+  return _geometry->turns() ? std::optional(_geometry->increment.rotation) : std::nullopt;
+}
+
+std::array<double, 3> MortarContact::centre() const
+{
+  return _geometry->obstacle() ? _geometry->obstacle()->centre : std::array<double, 3>{};
 }
 
 std::optional<std::array<double, 3>> MortarContact::displacement() const
@@ -444,12 +470,14 @@ std::string MortarContact::passed_through()
     gap::Rigid obstacle = *given;
     const MortarIncrement& step = _geometry->increment;
     obstacle.displacement = step.displacement;
+    obstacle.rotation = step.rotation;
+    const std::vector<double> carried = _geometry->motion_of_master();
     std::vector<double> before(n.points);
     for (std::size_t i = 0; i < passed.size(); ++i)
       for (int c = 0; c < g; ++c)
       {
         const std::size_t dof = std::size_t(nodes()[i]) * g + c;
-        before[i * g + c] -= n.u[dof] - step.start[dof] - (step.displacement[c] - step.start_displacement[c]);
+        before[i * g + c] -= n.u[dof] - step.start[dof] - carried[i * g + c];
       }
     passed = gap::through_obstacle(obstacle, before, n.points, _geometry->offset, _geometry->tolerance());
   }

@@ -63,6 +63,9 @@ public:
   void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
                   std::span<const double> target = {}) override;
   std::optional<std::array<double, 3>> displacement() const override;
+  void set_rotation(const gap::Matrix3& rotation) override;
+  std::optional<gap::Matrix3> rotation() const override;
+  std::array<double, 3> centre() const override;
   state::State state() override;
   void accept_step() override;
   std::string prescribed_overlap() override;
@@ -211,6 +214,7 @@ private:
   GapAndSlip _linearised;                                  ///< of the present linear solution
   std::vector<double> _linear_tilt;                        ///< friction_tilt of the last constraints
   std::int64_t _last_change = -1;
-  double _time_step = 0.0; ///< of the increment; zero: there is no time [T]
+  std::optional<gap::Matrix3> _next_rotation; ///< of the increment that begins next
+  double _time_step = 0.0;                    ///< of the increment; zero: there is no time [T]
 };
 } // namespace dolfinx_impact::enforcement

@@ -72,6 +72,11 @@ state::State MortarGeometry::state()
   out.add("start", state::Place::node, increment.start, gdim());
   out.add("start_displacement", state::Place::all, state::View(std::span<double>(increment.start_displacement)), 3);
   out.add("displacement", state::Place::all, state::View(std::span<double>(increment.displacement)), 3);
+  if (turns())
+  {
+    out.add("start_rotation", state::Place::all, state::View(std::span<double>(increment.start_rotation)), 9);
+    out.add("rotation", state::Place::all, state::View(std::span<double>(increment.rotation)), 9);
+  }
   return out;
 }
 
@@ -101,7 +106,7 @@ void MortarGeometry::forget()
 // --- increments and states -------------------------------------------------------------------------------------------
 
 void MortarGeometry::begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
-                                std::span<const double> target)
+                                std::span<const double> target, const std::optional<gap::Matrix3>& rotation)
 {
   if (u.size() != _prescribed.size() || (!target.empty() && target.size() != u.size()))
     throw std::invalid_argument("displacements are those of all owned and ghost nodes of the space");
@@ -112,6 +117,8 @@ void MortarGeometry::begin_step(std::span<const double> u, const std::optional<s
   {
     increment.start_displacement = increment.displacement;
     increment.displacement = *displacement;
+    increment.start_rotation = increment.rotation;
+    increment.rotation = rotation.value_or(increment.rotation);
   }
 }
 
@@ -212,10 +219,33 @@ std::vector<double> MortarGeometry::slip() const
   return slip_of(jump(moved()));
 }
 
+std::vector<double> MortarGeometry::motion_of_master() const
+{
+  const std::size_t g = gdim();
+  std::vector<double> out(num_nodes() * g);
+  for (std::size_t k = 0; k < out.size(); ++k)
+    out[k] = increment.displacement[k % g] - increment.start_displacement[k % g];
+  if (!turns())
+    return out;
+  const gap::Matrix3 back = gap::turn_between(increment.rotation, increment.start_rotation);
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+  {
+    gap::Vector3 arm{};
+    for (std::size_t c = 0; c < g; ++c)
+      arm[c] = reference_point(nodes()[i])[c] + increment.start[std::size_t(nodes()[i]) * g + c] -
+               obstacle()->centre[c] - increment.start_displacement[c];
+    const gap::Vector3 turned = gap::times(back, arm);
+    for (std::size_t c = 0; c < g; ++c)
+      out[i * g + c] -= turned[c];
+  }
+  return out;
+}
+
 std::vector<double> MortarGeometry::slip_of(std::vector<double> jump) const
 {
+  const std::vector<double> carried = motion_of_master();
   for (std::size_t k = 0; k < jump.size(); ++k)
-    jump[k] -= increment.displacement[k % gdim()] - increment.start_displacement[k % gdim()];
+    jump[k] -= carried[k];
   return tangential(gdim(), now().normal, jump);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include "../../gap/MortarIntegrals.h"
 #include "../../gap/Rigid.h"
+#include "../../gap/rotation.h"
 #include "../../operators/RigidBodyModes.h"
 #include "../../state/State.h"
 #include "MortarOptions.h"
@@ -15,10 +16,12 @@ class JoinedNodes;
 /// Where an increment starts, and where prescribed degrees of freedom and a rigid master move in it.
 struct MortarIncrement
 {
-  std::vector<double> start;                  ///< displacements, owned and ghosts [L]
-  std::vector<double> driven;                 ///< motions of prescribed degrees of freedom, zero elsewhere [L]
-  std::array<double, 3> start_displacement{}; ///< of a rigid master [L]
-  std::array<double, 3> displacement{};       ///< at its end [L]
+  std::vector<double> start;                   ///< displacements, owned and ghosts [L]
+  std::vector<double> driven;                  ///< motions of prescribed degrees of freedom, zero elsewhere [L]
+  std::array<double, 3> start_displacement{};  ///< of a rigid master [L]
+  std::array<double, 3> displacement{};        ///< at its end [L]
+  gap::Matrix3 start_rotation = gap::identity; ///< of a rigid master, about its centre
+  gap::Matrix3 rotation = gap::identity;       ///< at its end
 };
 
 /// The slave's nodes in one state of displacements. Arrays are by node, vectors [i*gdim + c]. At nodes that pairs have
@@ -112,8 +115,13 @@ public:
 
   // --- common ------------------------------------------------------------------------------------------------------
   /// An increment starts: as StaticContact::begin_step.
+  /// @param[in] rotation at its end, of a rigid master that turns
   void begin_step(std::span<const double> u, const std::optional<std::array<double, 3>>& displacement,
-                  std::span<const double> target);
+                  std::span<const double> target, const std::optional<gap::Matrix3>& rotation = {});
+  /// Is the master a rigid one that turns?
+  bool turns() const { return obstacle() && obstacle()->rotates; }
+  /// How a rigid master's point that was at a node's place when the increment began moves in it, [i*gdim + c] [L].
+  std::vector<double> motion_of_master() const;
   /// Gaps, normals, weights and locked components. Collective.
   /// @param[in] u displacements, owned and ghosts [L]
   void update_gap(std::span<const double> u);
@@ -129,7 +137,8 @@ public:
   std::vector<double> jump(std::span<const double> moved) const;
   /// Tangential displacement of slave against master in this increment, [i*gdim + c] [L]. Collective.
   std::vector<double> slip() const;
-  /// Tangential part of displacements against a master at rest, as the master moves, [i*gdim + c] [L].
+  /// Tangential part of displacements against a master at rest, as the master moves, [i*gdim + c] [L]. Slip is measured
+  /// from the point of the master where the node was, so that it is linear in the node's displacement.
   std::vector<double> slip_of(std::vector<double> jump) const;
   /// Displacements in this increment, owned [L].
   std::vector<double> moved() const;

@@ -2,6 +2,7 @@
 #include "RigidGeometry.h"
 #include "prescribed_components.h"
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 namespace dolfinx_impact::enforcement
@@ -39,6 +40,7 @@ void RigidGeometry::update_cover(std::span<const double> u)
 {
   move(u);
   _obstacle.displacement = increment.displacement;
+  _obstacle.rotation = increment.rotation;
   SlaveNodes& n = now();
   n.around = n.area = _shares.evaluate(slave(), _obstacle);
   n.aside = _shares.aside();
@@ -64,6 +66,13 @@ void RigidGeometry::integrate(std::span<const std::int8_t> carriers)
   std::array<double, 3> motion = increment.displacement;
   for (int c = 0; c < 3; ++c)
     motion[c] -= increment.start_displacement[c];
+  if (turns()) // components that turning moves differ from node to node: no node is locked along them
+  {
+    const gap::Matrix3 turn = gap::turn_between(increment.rotation, increment.start_rotation);
+    for (int c = 0; c < 3; ++c)
+      if (std::any_of(&turn[3 * c], &turn[3 * c] + 3, [](double value) { return value != 0.0; }))
+        motion[c] = std::numeric_limits<double>::infinity();
+  }
   n.own_locked = locked_components({gdim(), prescribed(), increment.driven, tolerance()}, nodes(), motion);
 }
 

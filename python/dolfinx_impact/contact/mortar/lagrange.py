@@ -85,13 +85,10 @@ class LagrangeContact(StaticContactView):
         self.basis, self.quadrature_degree = spec.basis, spec.quadrature_degree
         pair, gdim = self.pair, problem.space.mesh.geometry.dim
         pair.refuse_rigid_body("this problem", problem)
-        if pair.rigid_body is not None and pair.rigid_body.turns_in(problem):
-            raise ValueError(
-                f"{pair.name}: multipliers do not rotate a RigidBody: take Penalty, or leave out its inertia"
-            )
-        pair.refuse_angle("multipliers do not turn a rigid master: take Penalty")
+        if problem.axisymmetric:
+            pair.refuse_angle("an axisymmetric problem does not turn a rigid master")
         slave, facets = pair.surfaces(problem.space)
-        master = facets or pair.rigid_master.shared(gdim)
+        master = facets or pair.rigid_master.shared(gdim, pair.rigid_master.turns_in(problem))
         law = pair.friction.in_cpp(problem.space) if isinstance(pair.friction, FrictionLaw) else None
         friction = 0.0 if isinstance(pair.friction, FrictionLaw) else pair.friction
         options = _cpp.multipliers.MortarOptions(
