@@ -170,6 +170,15 @@ void bind_forces(nb::module_& m)
       .def_prop_ro("map", &PenaltyForces::map)
       .def_prop_ro(
           "search", [](PenaltyForces& p) { return p.search(); }, reference)
+      .def(
+          "share_of",
+          [](const PenaltyForces& p, std::size_t q)
+          {
+            if (q >= p.points().size())
+              throw nb::index_error();
+            return p.share_of(q);
+          },
+          nb::arg("q"), "Part of the penalties that a point has, in general contact that of the softer body")
       .def("energy", &PenaltyForces::energy, "Energy of the springs, this rank's part")
       .def(
           "update_gap", [](PenaltyForces& p, Values u, Values start, bool stay)
@@ -266,6 +275,20 @@ void bind_contact(nb::module_& m)
                 QuadraturePenalty(std::move(name), std::move(V), slave, master, options, tangent_of(std::move(bodies)));
           },
           nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("bodies"))
+      .def(
+          "__init__",
+          [](QuadraturePenalty* self, std::string name, std::shared_ptr<const FunctionSpace> V, const Facets& facets,
+             const std::vector<std::pair<Facets, Facets>>& named, const PenaltyOptions& options, Assemble bodies)
+          {
+            std::vector<dolfinx_impact::search::NamedPair> pairs;
+            for (const auto& [slave, master] : named)
+              pairs.push_back({slave, master});
+            new (self)
+                QuadraturePenalty(std::move(name), std::move(V), facets, pairs, options, tangent_of(std::move(bodies)));
+          },
+          nb::arg("name"), nb::arg("V"), nb::arg("facets"), nb::arg("named"), nb::arg("options"), nb::arg("bodies"),
+          "General contact of a surface with itself")
+      .def_prop_ro("deepest", &QuadraturePenalty::deepest, "Deepest penetration of all ranks. Collective")
       .def_prop_ro("penalty", &QuadraturePenalty::penalty)
       .def_prop_ro("tangential", &QuadraturePenalty::tangential)
       .def_prop_ro("convex", &QuadraturePenalty::convex)
