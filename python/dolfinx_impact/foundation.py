@@ -52,6 +52,7 @@ class Foundation(_FacetLoad):
                 raise ValueError("the stiffness of a Foundation is zero: give a positive one [F/L^3]")
             ranks.same(stiffness=_shown(self.stiffness), damping=_shown(self.damping))
         self._damping_constant: fem.Constant | None = None
+        self._unit: tuple[tuple[Any, ...], list[operators.InternalForce]] | None = None  # of unit_forces
 
     @property
     def damping_constant(self) -> fem.Constant | None:
@@ -115,6 +116,26 @@ class Foundation(_FacetLoad):
             form = form - self.dashpots(velocity, v, hypothesis)
         nodal = operators.InternalForce(form).apply().array[: V.dofmap.index_map.size_local * V.dofmap.index_map_bs]
         return np.asarray(V.mesh.comm.allreduce(nodal.reshape(-1, V.dofmap.index_map_bs).sum(axis=0), MPI.SUM))
+
+    def unit_forces(self, V: fem.FunctionSpace, hypothesis: str | None = None) -> list[FloatArray]:
+        """Internal nodal forces of springs and of dashpots under the displacement and velocity one: what a checkpoint
+        compares. Their kernels are looked for once. Collective.
+
+        Args:
+            V: displacement space.
+            hypothesis: as in `springs`.
+
+        Returns:
+            Two arrays of owned nodes, (num_owned, gdim) [F/L], [F T/L].
+        """
+        given = (V, hypothesis, self.stiffness, self.damping, self._constant, self._damping_constant)
+        if self._unit is None or any(a is not b for a, b in zip(given, self._unit[0])):
+            one, v = fem.Function(V, name="u"), ufl.TestFunction(V)
+            one.x.array[:] = 1.0
+            forces = [operators.InternalForce(work(one, v, hypothesis)) for work in (self.springs, self.dashpots)]
+            self._unit = (*given[:4], self._constant, self._damping_constant), forces
+        n, bs = V.dofmap.index_map.size_local, V.dofmap.index_map_bs
+        return [force.apply().array[: n * bs].reshape(n, bs) for force in self._unit[1]]
 
     def energy_form(self, u: Any, material: Any) -> ufl.Form:
         """Energy stored in the springs, a form of rank 0 [F L]."""

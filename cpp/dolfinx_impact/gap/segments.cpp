@@ -144,9 +144,11 @@ bool invert(const Facets& facets, std::size_t f, const Plane& plane, const Point
   xi[0] = centre[0];
   xi[1] = centre[1];
   const int dim = facets.gdim - 1;
-  double step = 1.0;
-  for (int iteration = 0; iteration < 30 && !(step < 1e-14); ++iteration)
+  double step = 1.0, before = 2.0;
+  // Steps that become no smaller are round-off of the places over the size of the facet.
+  for (int iteration = 0; iteration < 30 && !(step < 1e-14) && !(step < 1e-9 && step > 0.5 * before); ++iteration)
   {
+    before = step;
     point = surface::evaluate(facets, f, facets.x_of(f), xi);
     const Point at = plane.project(point.x);
     double J[2][2], r[2] = {y[0] - at[0], y[1] - at[1]};

@@ -17,7 +17,6 @@ from mpi4py import MPI
 
 from .. import compat
 from ..common.types import FloatArray, IntArray
-from ..assembly import operators
 from ..foundation import Foundation, foundations
 from ..loads import DeadLoad, Load
 from ..materials import MaterialMap, Rayleigh, _Material
@@ -179,11 +178,7 @@ def _foundation(problem: Problem, springs: Foundation, x: FloatArray) -> FloatAr
     """Sums of the nodal forces of springs and dashpots under the displacement and velocity one. Collective."""
     assert problem.material is not None  # loads go with materials
     V, hypothesis, sums = problem.space, problem.material.hypothesis_on(problem.space.mesh), []
-    one = fem.Function(V, name="u")
-    one.x.array[:] = 1.0
-    for work in (springs.springs, springs.dashpots):
-        nodal = operators.InternalForce(work(one, ufl.TestFunction(V), hypothesis)).apply().array
-        values = nodal[: x.shape[0] * V.dofmap.index_map_bs].reshape(-1, V.dofmap.index_map_bs)
+    for values in springs.unit_forces(V, hypothesis):
         sums.append(np.concatenate([[np.abs(values).sum()], values.sum(axis=0), *(values.T @ x)]))
     return problem.comm.allreduce(np.concatenate(sums), MPI.SUM)
 

@@ -28,7 +28,7 @@ from mpi4py import MPI
 from dolfinx_impact import compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
-from dolfinx_impact.contact import ContactPair, GeneralContact, Kinematic, Penalty
+from dolfinx_impact.contact import ContactPair, GeneralContact, Kinematic, Penalty, Tie
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.loads import Traction
@@ -41,6 +41,7 @@ CELLS_PER_S = "million cells/s"
 # Cells along the interface and through the thickness.
 SHARE_BLOCKS = (32, 32)  # 1.5 % of the nodes are slaves
 COST_BLOCKS = (64, 4)  # thin blocks, in which contact is a large part of the step
+TIED_BLOCKS = (100, 4)  # 10,201 slave nodes
 ROUND = 0.2  # duration of a round, in processor time [s]
 SPEED = 0.005  # sliding and closing speed over the wave speed [1]
 ContactClass: TypeAlias = type[Union[Penalty, Kinematic]]
@@ -202,10 +203,13 @@ class Blocks:
         layers: number of cells through the thickness.
         contact: class of the contact; None for no contact.
         friction: Coulomb's friction coefficient [1].
+        moving: whether the upper block is thrown on the lower one; else the load moves it.
         options: further arguments of the contact.
     """
 
-    def __init__(self, n: int, layers: int, contact: Any = None, friction: float = 0.0, **options: Any) -> None:
+    def __init__(
+        self, n: int, layers: int, contact: Any = None, friction: float = 0.0, moving: bool = True, **options: Any
+    ) -> None:
         height = layers / n
         model = meshes.make(
             "two_blocks", MPI.COMM_SELF, cell="hexahedron", gap=1e-4 / n, lower=(1.1, 1.1, height),
@@ -216,7 +220,7 @@ class Blocks:
         tags, tag = model.facet_tags, model.tags
         low = fem.locate_dofs_topological(V, 2, tags.find(tag["bottom"]))
         bcs = [fem.dirichletbc(np.zeros(3), low, V)]
-        velocity, speed = fem.Function(V), SPEED * law.wave_speed
+        velocity, speed = fem.Function(V), SPEED * law.wave_speed * moving
         velocity.interpolate(lambda x: np.where(x[2] > height * (1 + 1e-9), 1.0, 0.0) * speed * np.array(
             [[1.0], [0.3], [-1.0]]))  # fmt: skip
         pair = ContactPair(tags, slave=tag["slave_surface"], master=tag["master_surface"], friction=friction)
@@ -328,6 +332,30 @@ def general_rows(cost: tuple[int, int] = COST_BLOCKS, steps: int = 25, rounds: i
         touching = float(np.sum(general.problem.contact[0].status > 0))
         rows.append(row(f"  without pairs{name}: nodes that touch", label, 1, touching / num_nodes, "", 1.0))
     return rows
+
+
+def tie_rows(cost: tuple[int, int] = TIED_BLOCKS, steps: int = 25, rounds: int = 8) -> list[Row]:
+    """Measure tied blocks against the same ones that know nothing of each other, in alternating rounds.
+
+    Meshes do not match at the joint. Times of steps are medians.
+
+    Args:
+        cost: cells along the joint and through the thickness of the blocks.
+        steps: number of steps per round.
+        rounds: number of rounds.
+
+    Returns:
+        Rows: set-up of the problem, and a whole step.
+    """
+    begin = time.perf_counter()
+    alone = Blocks(*cost, moving=False)
+    between = time.perf_counter()
+    tied = Blocks(*cost, Tie, moving=False)
+    setups = time.perf_counter() - between, between - begin
+    times = [[contact_seconds(model.problem, steps)[1] for model in (tied, alone)] for _ in range(rounds + 1)]
+    label = f"{tied.num_slaves} of {tied.num_nodes} nodes"
+    pairs = (("set-up", setups), ("step", np.median(times[1:], axis=0)))
+    return [row(f"tied blocks / apart, {what}", label, 1, 1e3 * a, "ms", 1e3 * b) for what, (a, b) in pairs]
 
 
 def output_rows(n: int, steps: int = 1000, rounds: int = 2) -> list[Row]:
@@ -491,6 +519,7 @@ def jobs(large: bool = False, ranks: int = 0) -> list[Job]:
     out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in FINITE]
     out.append(("explicit contact", partial(contact_rows, rounds=(7, 25) if large else (5, 12))))
     out.append(("explicit contact without pairs", partial(general_rows, rounds=20 if large else 8)))
+    out.append(("explicit steps of tied bodies", partial(tie_rows, rounds=20 if large else 8)))
     out += [("explicit output", partial(output_rows, n)) for n in ((48, 20) if large else (20,))]
     out.append(("explicit memory", partial(memory_rows, 64 if large else 40)))
     return out + ([(f"explicit steps on {ranks} ranks", partial(rank_rows, ranks))] if ranks > 1 else [])

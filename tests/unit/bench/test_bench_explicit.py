@@ -54,6 +54,12 @@ def test_rows_of_contact_without_pairs():
     assert all(0.1 < r["value"] < 1.0 for r in rows if "touch" in r["name"])
 
 
+def test_rows_of_tied_blocks():
+    setup, step = bench_explicit.tie_rows((6, 2), steps=10, rounds=1)
+    assert (setup["cell"], step["cell"]) == ("49 of 294 nodes",) * 2
+    assert all(r["value"] > 0.0 and r["ratio"] == pytest.approx(r["value"] / r["baseline"]) for r in (setup, step))
+
+
 def test_contact_has_a_clock_of_its_own():
     """It runs when there is contact only, and tells what contact adds to a step, by a factor of two."""
     free, touching = bench_explicit.Blocks(12, 1), bench_explicit.Blocks(12, 1, bench_explicit.Kinematic)

@@ -46,6 +46,26 @@ def uniform(u, velocity):
     return v
 
 
+def check_unit_forces_are_those_of_the_present_constants():
+    """Their operators are kept, while constants, stiffness and space stay the same objects."""
+    u, tags = block()
+    V = u.function_space
+    springs = di.Foundation(tags, BOTTOM, (2.0, 5.0), damping=0.5)
+
+    def sums():
+        return [COMM.allreduce(values.sum(axis=0), MPI.SUM) for values in springs.unit_forces(V)]
+
+    np.testing.assert_allclose(sums(), [[2.0 * WIDTH, 5.0 * WIDTH], [0.0, 0.5 * WIDTH]], atol=1e-13)
+    kept = springs._unit[1]
+    springs.constant.value[:] = (3.0, 7.0)
+    springs.damping_constant.value = 1.5
+    np.testing.assert_allclose(sums(), [[3.0 * WIDTH, 7.0 * WIDTH], [0.0, 1.5 * WIDTH]], atol=1e-13)
+    assert springs._unit[1] is kept
+    V = fem.functionspace(V.mesh, ("Lagrange", 2, (2,)))
+    np.testing.assert_allclose(sums(), [[3.0 * WIDTH, 7.0 * WIDTH], [0.0, 1.5 * WIDTH]], atol=1e-13)
+    assert springs._unit[1] is not kept
+
+
 def check_force_and_energy_under_translations():
     """Each component by itself; the normal of the lower side is vertical. Round-off of some hundred additions."""
     u, tags = block(degree=2)
