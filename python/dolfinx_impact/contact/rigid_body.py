@@ -128,7 +128,7 @@ class RigidBody(_Rigid):
             rx, ry, rz (rotations about the axes through the centre).
         meets: other RigidBody objects, and rigid obstacles that do not move, that it touches in explicit problems: with
             the surface of a RigidSphere, in the plane of a RigidCylinder, or with the points of a RigidSurface of
-            facets. Of two bodies one meets the other.
+            facets. Of two bodies one meets the other: one that is the master of a pair, or is met by such a body.
         friction: coefficient of friction with what it meets [1].
 
     Attributes:
@@ -212,6 +212,9 @@ class RigidBody(_Rigid):
         self.meets, self.friction = _met(meets), number("friction", friction)
         if self.friction < 0.0:
             raise ValueError(f"friction is {self.friction}: a coefficient of friction is zero or positive")
+        self._met_by: list[weakref.ref[RigidBody]] = []
+        for other in self.met_bodies():
+            other._met_by.append(weakref.ref(self))
         self._body: _cpp.problems.RigidBodyInTime | _cpp.problems.ImplicitBodyInTime | StaticBody | None = None
         self._problem: Any = None  # weak reference to the problem that moves it
 
@@ -328,6 +331,10 @@ class RigidBody(_Rigid):
     def met_bodies(self) -> list[RigidBody]:
         """Rigid bodies among what it meets, in their order."""
         return [other for other in self.meets if isinstance(other, RigidBody)]
+
+    def met_by(self) -> list[RigidBody]:
+        """Rigid bodies that were made to meet this one, and that still exist."""
+        return [other for one in self._met_by if (other := one()) is not None]
 
     @property
     def meeting_gaps(self) -> FloatArray:

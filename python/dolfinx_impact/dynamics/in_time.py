@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -78,6 +79,13 @@ def contacts_in_time(contacts: Sequence[BoundContact], functions: FunctionsOfTim
         bodies += [other for other in body.met_bodies() if other not in bodies]
         for load in body.loads():
             functions.add(load)
+    lost = list(dict.fromkeys(other for body in bodies for other in body.met_by() if other not in bodies))
+    if lost:
+        warnings.warn(
+            f"rigid bodies that meet those of this problem are not in it: {', '.join(f'{body!r:.80}' for body in lost)}; "
+            "let the master of a pair meet them, in its `meets`",
+            stacklevel=2,
+        )
     return out
 
 

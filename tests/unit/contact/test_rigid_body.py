@@ -162,6 +162,17 @@ def test_a_failed_run_takes_the_body_back():
     assert np.all(np.isfinite(body.velocity)) and np.linalg.norm(body.velocity) < 1.0
 
 
+def test_a_body_that_is_lost_is_named():
+    """One that meets the master of a pair, which does not meet it, is in no problem."""
+    V, tags = block(SELF, 3, 1)
+    low = di.RigidBody(di.RigidSphere((0.5, 0.5, 2.0), 0.3), mass=1.0)
+    top = di.RigidBody(di.RigidSphere((0.5, 0.5, 3.0), 0.3), mass=1.0, meets=low)
+    assert low.met_by() == [top] and top.met_by() == []
+    law = di.LinearElastic(100.0, 0.3, 1.0)
+    with pytest.warns(UserWarning, match="are not in it: RigidBody"):
+        di.ExplicitProblem(fem.Function(V), law, contact=[di.Penalty(di.ContactPair(tags, 1, low))])
+
+
 def test_what_is_refused():
     V, tags = block(SELF, 2)
     law = di.LinearElastic(100.0, 0.3, 1.0, "plane_strain")
