@@ -82,8 +82,8 @@ def contacts_in_time(contacts: Sequence[BoundContact], functions: FunctionsOfTim
     lost = list(dict.fromkeys(other for body in bodies for other in body.met_by() if other not in bodies))
     if lost:
         warnings.warn(
-            f"rigid bodies that meet those of this problem are not in it: {', '.join(f'{body!r:.80}' for body in lost)}; "
-            "let the master of a pair meet them, in its `meets`",
+            "rigid bodies that meet those of this problem are not in it: "
+            f"{', '.join(f'{body!r:.80}' for body in lost)}; let the master of a pair meet them, in its `meets`",
             stacklevel=2,
         )
     return out
