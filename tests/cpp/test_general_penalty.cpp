@@ -10,6 +10,7 @@
 #include <dolfinx_impact/common/create_functionspace.h>
 #include <dolfinx_impact/enforcement/penalty/QuadraturePenalty.h>
 #include <numbers>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -65,6 +66,7 @@ struct BentBar
   std::vector<double> x;
 };
 
+const std::span<const search::NamedPair> no_pairs;
 constexpr double whole_turn = 2.0 * std::numbers::pi;
 } // namespace
 
@@ -75,7 +77,7 @@ TEST_CASE("a bar that is bent into a ring meets itself", "[general]")
     const BentBar bar(gdim);
     PenaltyOptions options;
     options.penalty = 100.0;
-    QuadraturePenalty contact("ring", bar.V, bar.facets, {}, options);
+    QuadraturePenalty contact("ring", bar.V, bar.facets, no_pairs, options);
     CHECK(contact.meets_itself());
     contact.begin_step(bar.bent(whole_turn - 0.05), {});
     contact.update_gap(bar.bent(whole_turn - 0.05));
@@ -111,12 +113,12 @@ TEST_CASE("a bar that is bent into a ring meets itself", "[general]")
     contact.update_gap(bar.bent(whole_turn + 0.03));
     CHECK(contact.num_active() == 2 * per_face);
     // A run that is restored knows it, too.
-    QuadraturePenalty again("ring", bar.V, bar.facets, {}, options);
+    QuadraturePenalty again("ring", bar.V, bar.facets, no_pairs, options);
     contact.update_gap(bar.bent(whole_turn + 0.02));
     again.resume(contact.saved_state(), bar.bent(whole_turn + 0.02));
     CHECK(again.num_active() == 2 * per_face);
     // One that does not know takes the ends for surfaces that were never in front of each other.
-    QuadraturePenalty other("ring", bar.V, bar.facets, {}, options);
+    QuadraturePenalty other("ring", bar.V, bar.facets, no_pairs, options);
     other.begin_step(bar.bent(whole_turn + 0.3), {});
     other.update_gap(bar.bent(whole_turn + 0.3));
     CHECK(other.num_active() == 0);
@@ -129,10 +131,10 @@ TEST_CASE("general contact refuses what belongs to pairs", "[general]")
   PenaltyOptions options;
   options.penalty = 1.0;
   options.augmented = true;
-  CHECK_THROWS_AS(QuadraturePenalty("ring", bar.V, bar.facets, {}, options), std::invalid_argument);
+  CHECK_THROWS_AS(QuadraturePenalty("ring", bar.V, bar.facets, no_pairs, options), std::invalid_argument);
   options.augmented = false;
   options.adjustment.offset = 0.01;
-  CHECK_THROWS_AS(QuadraturePenalty("ring", bar.V, bar.facets, {}, options), std::invalid_argument);
+  CHECK_THROWS_AS(QuadraturePenalty("ring", bar.V, bar.facets, no_pairs, options), std::invalid_argument);
   const std::vector<search::NamedPair> many(30, {bar.facets, bar.facets});
   options.adjustment.offset = 0.0;
   CHECK_THROWS_AS(QuadraturePenalty("ring", bar.V, bar.facets, many, options), std::invalid_argument);

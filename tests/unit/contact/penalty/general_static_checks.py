@@ -108,7 +108,7 @@ def _tangent_error(problem, u, start):
 def check_tangent_of_crossed_edges():
     # Sticks, slips; in the middle of edges, and where two share the force.
     for side, along in ((0.0, 0.09), (0.004, 0.09), (0.004, 0.005)):
-        for cell in ("hexahedron", "tetrahedron"):
+        for cell in ("hexahedron", "tetrahedron")[: 1 if COMM.size > 1 else 2]:
             bodies, problem = pressed_prisms(0.0, friction=0.3, cell=cell, along=along)
             rng = np.random.default_rng(2)
             start = np.zeros_like(problem.u.x.array)
@@ -165,14 +165,13 @@ def check_a_gap_is_closed():
 
 
 def check_crossed_prisms_do_not_sink():
-    for cell in ("hexahedron", "tetrahedron")[: 1 if COMM.size > 1 else 2]:
-        bodies, problem = pressed_prisms(0.03, cell=cell)
-        problem.solve(steps=2, progress=False)
-        contact = problem.contact[0]
-        upper = contact.force_on(2)
-        assert upper[2] > 1.0 and contact.num_active > 0
-        np.testing.assert_allclose(contact.force_on(1), -upper, rtol=0.0, atol=1e-9 * upper[2])
-        assert contact.deepest < 0.1 * 0.03
+    bodies, problem = pressed_prisms(0.03)
+    problem.solve(steps=2, progress=False)
+    contact = problem.contact[0]
+    upper = contact.force_on(2)
+    assert upper[2] > 1.0 and contact.num_active > 0
+    np.testing.assert_allclose(contact.force_on(1), -upper, rtol=0.0, atol=1e-9 * upper[2])
+    assert contact.deepest < 0.1 * 0.03
 
 
 def check_restart_goes_on_alike():
@@ -183,7 +182,7 @@ def check_restart_goes_on_alike():
         for restored in (False, True):
             bodies, problem = pressed_prisms(0.02, friction=0.3, side=0.0)
             upper = problem.bcs[1].g
-            problem.solve(steps=2, progress=False)
+            problem.solve(progress=False)
             problem.save(path)
             if restored:
                 bodies, problem = pressed_prisms(0.02, friction=0.3, side=0.0)
@@ -191,7 +190,7 @@ def check_restart_goes_on_alike():
                 upper = problem.bcs[1].g
             value = getattr(upper, "value", upper)
             value[:] = (0.02, 0.0, -0.025)
-            problem.solve(steps=2, progress=False)
+            problem.solve(progress=False)
             contact = problem.contact[0]
             assert contact.dissipated > 1e-4
             results.append((problem.u.x.array.copy(), contact.dissipated, contact.deepest))
