@@ -62,6 +62,18 @@ private:
     double at[2] = {0, 0}, gap = 0;
     Vec<double> n, points[2];
   };
+  // A facet that a node may touch, as far as it ends there or beyond its end.
+  struct Candidate
+  {
+    int facet = -1, slot = -1;
+    bool beyond = false, inside = false;
+    double gap = 0, height = 0;  // [L]
+    Vec<double> n, facet_n;      // direction of a force; of the facet where it is closest
+    Vec<double> second, excess;  // the other point; of it from the closest point of the facet [L]
+    std::vector<double> weights; // of the corners
+  };
+  static constexpr int springs_per_node = 3;
+  using NodeSprings = std::array<Spring, springs_per_node>;
   using Corners = std::vector<Vec<double>>;
 
   Vec<double> at(const Vector& field, std::int64_t node) const;
@@ -72,7 +84,15 @@ private:
   bool faces(std::int64_t node, const Vec<double>& n, const Vector& u) const;
   bool far_side(std::int64_t node, int facet) const;
   double compliance(std::int64_t node, double dt) const;
-  Meeting meet(std::int64_t node, const Spring& spring, const ContactStep& step) const;
+  std::vector<Candidate> candidates(std::int64_t node, const ContactStep& step) const;
+  void go_on(Candidate& c, const Closest& found, const Vec<double>& x, const Vector& u) const;
+  bool may_begin(const Candidate& c, std::int64_t node, const ContactStep& step) const;
+  bool in_corner(const Candidate& a, const Candidate& b, const Vec<double>& x, const Vector& u) const;
+  bool pick(int slot, bool beyond, std::int64_t node, const NodeSprings& springs, const std::vector<Candidate>& all,
+            const ContactStep& step, std::vector<Candidate>& chosen) const;
+  std::vector<Candidate> choose(std::int64_t node, const NodeSprings& springs, const ContactStep& step) const;
+  Meeting meet(std::int64_t node, const Candidate& c, const ContactStep& step) const;
+  void advance(std::int64_t node, std::int64_t place, const ContactStep& step);
   Crossing cross_edges(const Edge& a, const Edge& b, const Vector& u) const;
   Meeting meet(const Edge& a, const Edge& b, const Spring& spring, const ContactStep& step) const;
   ContactStatus advance(Spring& spring, const Meeting& m, const ContactStep& step);
@@ -91,7 +111,7 @@ private:
   std::map<std::int64_t, std::vector<int>> facets_; // at a node
   std::map<std::int64_t, Vec<double>> rest_;        // position of a node [L]
   std::vector<Edge> edges_;
-  std::map<std::int64_t, Spring> springs_;
+  std::map<std::int64_t, NodeSprings> springs_;
   std::map<std::pair<std::size_t, std::size_t>, Spring> edge_springs_;
 };
 } // namespace impact_reference

@@ -3,13 +3,15 @@
 
 from collections.abc import Iterator
 
+import basix.ufl
 import numpy as np
+import ufl
 from dolfinx import mesh
 from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from dolfinx_impact.common.types import FloatArray
-from ..contact_bodies import two_bodies
+from ..contact_bodies import grid_of_box, two_bodies
 from .placed_bodies import GAP, body_of, falling, open_gap
 from .scenario import Scenario, VelocityField
 from .variation import RandomVariation
@@ -20,7 +22,7 @@ QUARTER = np.sqrt(0.5)
 
 def touching(cell: str, degree: int, variation: RandomVariation = RandomVariation()) -> Iterator[Scenario]:
     """Bodies whose surfaces are not named: in the plane blocks, a thin plate under a block and a strip that folds, in
-    space blocks and crossed prisms, with friction.
+    space blocks and crossed prisms, in both a block that falls into the notch between two others, with friction.
 
     Args:
         cell: cell.
@@ -41,6 +43,7 @@ def touching(cell: str, degree: int, variation: RandomVariation = RandomVariatio
         yield _strip(cell)
     else:
         yield _crossed_prisms(cell, variation)
+    yield _notch(cell)
 
 
 def _run(name: str, domain: Mesh, velocity: VelocityField, friction: float = 0.3) -> Scenario:
@@ -99,3 +102,33 @@ def _crossed_prisms(cell: str, variation: RandomVariation) -> Scenario:
     x[:, 2] += 1.0 - QUARTER
     variation.rotate_upper_body(domain, lambda p: 1.0 - np.abs(p[:, 0]))
     return _run("crossed prisms", domain, falling(0.04, 0.01))
+
+
+def _notch(cell: str) -> Scenario:
+    """A block that falls with an edge into the notch that two others form: nodes have springs to both of them."""
+    plane = cell in ("triangle", "quadrilateral")
+    dim, counts = (2, (3, 3)) if plane else (3, (2, 2, 2))
+    long = np.ones(dim)
+    # Boxes with a lower or an upper corner, or edge, at the origin, turned by half a right angle.
+    boxes = ((0.0 * long, 0.9 * long), (-1.0 * long, -0.1 * long), (0.0 * long, 0.7 * long))
+    points, cells, first = [], [], 0
+    for body, (low, high) in enumerate(boxes):
+        grid, own = grid_of_box(cell, low, high, counts if body else tuple(n + 1 for n in counts))
+        x = grid.copy()
+        # The faces of the first two rise from the notch to the right and to the left, the third lies between them.
+        a, b = ((x[:, 0], x[:, -1] - 0.9), (x[:, 0] + 0.1, x[:, -1] + 1.0), (x[:, 0], x[:, -1]))[body]
+        x[:, 0], x[:, -1] = QUARTER * (a - b), QUARTER * (a + b)
+        if body == 2:
+            x += np.array([0.004, 0.03, 0.004 + GAP])[[0, 2] if plane else [0, 1, 2]]
+        points.append(x)
+        cells.append(own + first)
+        first += len(x)
+    element = basix.ufl.element("Lagrange", cell, 1, shape=(dim,))
+    domain = mesh.create_mesh(MPI.COMM_SELF, np.vstack(cells), x=np.vstack(points), e=ufl.Mesh(element))
+
+    def velocity(positions: FloatArray) -> FloatArray:
+        out = np.zeros_like(positions)
+        out[positions[:, -1] > np.abs(positions[:, 0]) + 0.5 * GAP, -1] = -0.04
+        return out
+
+    return _run("block in a notch", domain, velocity)

@@ -28,14 +28,14 @@ struct NamedPair
 /// Results of the last step at the surface nodes that this rank owns. Vectors: [i*gdim + c].
 struct GeneralResults
 {
-  std::vector<ContactStatus> status; ///< of the node's own spring
-  std::vector<double> gap;           ///< of the node's own spring; infinite while it is open [L]
-  std::vector<double> slip;          ///< accumulated since the node's own spring closed [L]
+  std::vector<ContactStatus> status; ///< of the node's own spring; of several, that with the largest force
+  std::vector<double> gap;           ///< of this spring; infinite while it is open [L]
+  std::vector<double> slip;          ///< accumulated since this spring closed [L]
 };
 
 /// Explicit contact of all facets of a surface with each other, by penalty; docs/explicit/general_contact.md. No side
-/// is a master: each surface node has a spring to the facet that it has come through, and each two sharp edges that
-/// have crossed have one between the points where they cross.
+/// is a master: each surface node has a spring to the facet that it has come through, in a corner up to three, and each
+/// two sharp edges that have crossed have one between the points where they cross.
 class GeneralContact : public NodalContact, public SpringForces
 {
 public:
@@ -106,6 +106,7 @@ private:
     double next = 0.0; ///< motion from which they have to be looked at again [L]
   };
   struct Touch;
+  struct Touches;
   /// Where the force of the last step on a node acts.
   struct LastTouch
   {
@@ -114,6 +115,22 @@ private:
     double weights[4] = {};
     double turn[12] = {}; ///< moment correction at the corners [F]
   };
+  /// Spring of a node to a facet, and what its last step was.
+  struct NodeSpring
+  {
+    PairSpring spring;
+    LastTouch last;
+    double slip[3] = {}; ///< accumulated since it closed [L]
+    ContactStatus status = ContactStatus::open;
+  };
+  /// Is the first spring open, or has it less force?
+  static bool is_weaker(const NodeSpring& first, const NodeSpring& second)
+  {
+    const PairSpring &a = first.spring, &b = second.spring;
+    return a.closed != b.closed ? b.closed : a.spring.force < b.spring.force;
+  }
+  /// Springs that a node may have, to facets whose normals differ.
+  static constexpr int springs_per_node = 3;
   typedef std::pair<std::int64_t, std::int64_t> EdgeKey;
 
   template <int D>
@@ -123,9 +140,26 @@ private:
   template <int D>
   bool behind_neighbours(std::size_t f, const double* x, const search::loop::Closest<D>& at) const;
   template <int D>
-  bool find(std::size_t i, const NodalState& state, Touch& touch);
+  void find(std::size_t i, const NodalState& state, Touches& touches);
+  template <int D>
+  bool look(std::size_t i, int slot, const NodalState& state, Touches& touches);
+  template <int D>
+  bool look_beyond(std::size_t i, int slot, const NodalState& state, Touches& touches);
+  template <int D>
+  bool may_begin(std::size_t i, std::size_t f, double gap, const NodalState& state, bool inside);
+  template <int D>
+  bool in_corner(const double* x, const Touch& first, const Touch& second) const;
+  bool belongs(std::size_t i, int slot, const double* normal, const Touches& touches) const;
   template <int D>
   void add_node(std::size_t i, const NodalState& state);
+  template <int D>
+  void update_results(std::size_t i, const Touches& touches);
+  double height_of(std::size_t f) const;
+  NodeSpring* springs_of(std::size_t i) { return _springs.data() + i * springs_per_node; }
+  const NodeSpring* springs_of(std::size_t i) const { return _springs.data() + i * springs_per_node; }
+  void add_springs(state::State& out, int slot) const;
+  void resume_springs(const state::State& saved, int slot);
+  void count_closed(std::size_t i);
   void add_edges(EdgePair& pair, const NodalState& state);
   template <int D>
   void add_all(const NodalState& state, std::span<double> f);
@@ -138,7 +172,7 @@ private:
   void add_normals(std::vector<double>& out) const;
   void keep_edges();
   bool named(std::int32_t node, std::size_t facet) const;
-  std::size_t num_nodes() const { return _springs.size(); }
+  std::size_t num_nodes() const { return _num_closed.size(); }
 
   GeneralContactOptions _options;
   int _gdim;
@@ -169,9 +203,9 @@ private:
   double _moved = 0.0;                          ///< sum of the largest increments since the lists were made [L]
   double _largest_step = 0.0;                   ///< largest increment of a node in this step [L]
 
-  std::vector<PairSpring> _springs; ///< by node
-  std::vector<LastTouch> _last;     ///< by node
-  bool _first = true;               ///< no forces were computed yet
+  std::vector<NodeSpring> _springs;     ///< [node*springs_per_node + slot]
+  std::vector<std::int8_t> _num_closed; ///< springs of each node
+  bool _first = true;                   ///< no forces were computed yet
   GeneralResults _results;
   ContactEnergy _energy;
   Passage _passage;
@@ -179,4 +213,16 @@ private:
   std::int64_t _num_implausible = 0;
   std::array<double, 3> _no_force{};
 };
+
+/// Positions of the corners of a facet, less some increments.
+template <int D>
+void GeneralContact::corners_at(std::size_t f, const double* x, const double* minus, double (&out)[4][D]) const
+{
+  for (int k = 0; k < _loops.num_corners(); ++k)
+    for (int c = 0; c < D; ++c)
+    {
+      const std::size_t at = std::size_t(_loops.corners(f)[k]) * D + c;
+      out[k][c] = x[at] - (minus ? minus[at] : 0.0);
+    }
+}
 } // namespace dolfinx_impact::enforcement

@@ -151,7 +151,8 @@ class GeneralOutput(NodalOutput):
     are the surface nodes that this rank owns.
 
     A node is pushed by springs of its own, as corner of facets that other nodes have come through, and as end of edges:
-    traction and pressure have all of it. Status, gap and slip are those of its own spring.
+    traction and pressure have all of it. Status, gap and slip are those of its own spring; in a corner between facets,
+    where it has up to three, of that with the largest force.
 
     Args:
         pair: the surface.

@@ -121,6 +121,72 @@ def test_corner_on_corner(cell):
     assert edges > 0 and deep < 0.03
 
 
+@pytest.mark.parametrize("cell", (*PLANE, "hexahedron"))
+def test_both_faces_of_a_notch_bear(cell):
+    """A node that is pressed into both has a spring to each; by symmetry their forces are alike to round-off."""
+    bodies = general_contact_checks.notch(MPI.COMM_SELF, cell)
+    tip = np.flatnonzero((bodies.body == 2) & (bodies.X[:, -1] < 0.006))
+    seen = []
+
+    def look(p):
+        contact = p.contact[0]
+        right, left = contact.force_on(1), contact.force_on(2)
+        mirrored = right * ([-1.0] + [1.0] * (bodies.dim - 1))
+        more = contact.num_springs[0] - np.sum(contact.status > 0)
+        at_tip = (contact.traction * contact.weight[:, None])[np.isin(contact.nodes, tip)].sum(axis=0)
+        seen.append((np.abs(left - mirrored).max(), np.abs(right).max(), more, *at_tip[[0, -1]]))
+
+    problem = bodies.problem()
+    momentum = bodies.momentum(problem)
+    problem.advance(until=0.08, dt=0.5 * problem.stable_step(), callback=look, progress=False)
+    difference, force, more, tip_side, tip_up = np.max(seen, axis=0)
+    assert force > 1.0 and difference < 1e-11 * force
+    assert more >= len(tip) and tip_up > 0.3 and np.abs([s[3] for s in seen]).max() < 1e-11
+    assert problem.contact[0].deepest < 0.02  # of cells of 0.18 and more
+    assert np.abs(bodies.momentum(problem) - momentum).max() < 1e-13 and abs(problem.energy["drift"]) < BALANCE
+
+
+@pytest.mark.parametrize("cell,low", (("triangle", 0.0), ("quadrilateral", -0.7)))
+def test_corner_of_a_floor_and_a_wall(cell, low):
+    """The node in the corner is behind one body and beyond the end of the other."""
+    bodies = Flying(
+        [
+            ((8, 4), box((-2.0, -1.0), (0.0, 0.0)), (0.0, 0.0)),
+            ((2, 6), box((0.0, low), (0.6, 1.5)), (0.0, 0.0)),
+            ((3, 3), box((-0.705, 0.005), (-0.005, 0.705)), (1.0, -1.0)),
+        ],
+        cell,
+    )
+    corner = np.argmin(np.linalg.norm(bodies.X - (-0.005, 0.005), axis=1))
+    least = [0.0]
+
+    def look(p):
+        contact = p.contact[0]
+        x, y = (contact.traction * contact.weight[:, None])[contact.nodes == corner][0]
+        least[0] = max(least[0], min(-x, y))
+
+    problem = bodies.problem(0.2)
+    problem.advance(until=0.12, dt=0.5 * problem.stable_step(), callback=look, progress=False)
+    assert least[0] > 1.0  # both bear at once
+    assert abs(problem.energy["drift"]) < BALANCE
+    x = bodies.X + problem.u.x.array.reshape(-1, 2)
+    assert x[corner, 0] < 0.03 and x[corner, 1] > -0.03  # an eighth of a cell
+
+
+@pytest.mark.parametrize("cell", PLANE)
+def test_a_block_slides_over_the_seam_of_two_others(cell):
+    """The side of the second one does not hold it up."""
+    blocks = [
+        ((6, 3), box((-2.0, -1.0), (0.0, 0.0)), (0.0, 0.0)),
+        ((5, 3), box((0.0, -1.0), (1.7, 0.0)), (0.0, 0.0)),
+        ((3, 2), box((-0.6, 0.0), (0.4, 0.5)), (1.0, -0.05)),
+    ]
+    bodies = Flying(blocks, cell)
+    problem, deep, nodes, _ = run(bodies, 0.3)
+    assert nodes > 2 and deep < 0.002
+    assert abs(bodies.mean_velocity(problem, 2)[0] - 1.0) < 1e-4
+
+
 @pytest.mark.parametrize("cell", (*PLANE, *SPACE))
 def test_thin_plate_hit_from_both_sides(cell):
     dim = 2 if cell in PLANE else 3
