@@ -15,6 +15,7 @@ constexpr double shallow = 0.05, deepest = 0.5;
 // Facets that face each other, and those to which a closed node may slide: cosine of the angle between normals.
 constexpr double facing = -0.1, sliding = 0.6;
 constexpr double least_sine_of_planes = 0.3;
+constexpr double going_on = 0.94;
 constexpr double sharp = 0.94, least_sine = 0.1, slack = 0.02, inside_factor = 2, cells_behind = 3, equally_near = 1e-9;
 
 // A node that is between the corners of a triangle or on its rim: weights of the three.
@@ -133,6 +134,25 @@ void GeneralContact::find_edges()
       edges_.push_back({{nodes[k], nodes[(k + 1) % nodes.size()]}, {f, places[1].first}, {k, places[1].second}});
     }
   const Vector rest = Vector::Zero(model_.num_dofs());
+  // Edges that go on beyond their ends, sharp and straight in the undeformed body.
+  const auto is_sharp = [&](const Edge& e)
+  { return dot(side_normal(e.facets[0], e.sides[0], rest), side_normal(e.facets[1], e.sides[1], rest)) < sharp; };
+  const auto outward = [&](const Edge& e, int end)
+  { return unit(rest_.at(e.nodes[end]) - rest_.at(e.nodes[1 - end])); };
+  for (Edge& e : edges_)
+    for (int end = 0; end < 2 and is_sharp(e); ++end)
+    {
+      double most = going_on;
+      for (std::size_t j = 0; j < edges_.size(); ++j)
+        for (int other = 0; other < 2; ++other)
+          if (edges_[j].nodes[other] == e.nodes[end] and edges_[j].nodes[1 - other] != e.nodes[1 - end])
+            if (const double along = -dot(outward(e, end), outward(edges_[j], other));
+                along > most and is_sharp(edges_[j]))
+            {
+              most = along;
+              e.goes_on[end] = int(j);
+            }
+    }
   for (std::size_t i = 0; i < edges_.size(); ++i)
     for (std::size_t j = i + 1; j < edges_.size(); ++j)
     {
@@ -548,7 +568,7 @@ void GeneralContact::advance(std::int64_t node, std::int64_t place, const Contac
   put(answer_.slip, place, shown.slip);
 }
 
-GeneralContact::Crossing GeneralContact::cross_edges(const Edge& a, const Edge& b, const Vector& u) const
+GeneralContact::Crossing GeneralContact::cross_edges(const Edge& a, const Edge& b, const Vector& u, bool lines) const
 {
   Crossing out;
   const Edge* edges[2] = {&a, &b};
@@ -580,7 +600,7 @@ GeneralContact::Crossing GeneralContact::cross_edges(const Edge& a, const Edge& 
     out.at[k] = solution(k);
     out.points[k] = start[k] + out.at[k] * along[k];
   }
-  if (std::min({out.at[0], out.at[1], 1 - out.at[0], 1 - out.at[1]}) <= 0)
+  if (not lines and std::min({out.at[0], out.at[1], 1 - out.at[0], 1 - out.at[1]}) <= 0)
     return out;
   const Vec<double> outward = side_normal(b.facets[0], b.sides[0], u) + side_normal(b.facets[1], b.sides[1], u);
   if (dot(out.n, outward) < 0)
@@ -606,13 +626,51 @@ GeneralContact::Crossing GeneralContact::cross_edges(const Edge& a, const Edge& 
   return out;
 }
 
+// As cross_edges; where an edge goes on as another one it may be left by as much as both are behind each other.
+GeneralContact::Crossing GeneralContact::cross_beyond(const Edge& a, const Edge& b, const Vector& u) const
+{
+  Crossing out = cross_edges(a, b, u, true);
+  for (int k = 0; k < 2; ++k)
+  {
+    const Edge& edge = k == 0 ? a : b;
+    const double length =
+        norm(rest_.at(edge.nodes[1]) + at(u, edge.nodes[1]) - rest_.at(edge.nodes[0]) - at(u, edge.nodes[0]));
+    for (int end = 0; end < 2; ++end)
+    {
+      const double beyond = length * (end == 0 ? -out.at[k] : out.at[k] - 1);
+      if (beyond >= 0 and (edge.goes_on[end] < 0 or beyond > -out.gap))
+        out.valid = false;
+    }
+  }
+  return out;
+}
+
+// Pairs of edges as which these go on at the nearer ends.
+std::vector<std::pair<const GeneralContact::Edge*, const GeneralContact::Edge*>>
+GeneralContact::beside(const Edge& a, const Edge& b, const Crossing& now) const
+{
+  const int on[2] = {a.goes_on[now.at[0] < 0.5 ? 0 : 1], b.goes_on[now.at[1] < 0.5 ? 0 : 1]};
+  std::vector<std::pair<const Edge*, const Edge*>> out;
+  if (on[0] >= 0)
+    out.push_back({&edges_[on[0]], &b});
+  if (on[1] >= 0)
+    out.push_back({&a, &edges_[on[1]]});
+  if (on[0] >= 0 and on[1] >= 0)
+    out.push_back({&edges_[on[0]], &edges_[on[1]]});
+  return out;
+}
+
 GeneralContact::Meeting GeneralContact::meet(const Edge& a, const Edge& b, const Spring& spring,
                                              const ContactStep& step) const
 {
-  Crossing now = cross_edges(a, b, step.u);
+  Crossing now = spring.closed ? cross_beyond(a, b, step.u) : cross_edges(a, b, step.u);
   Meeting m;
   if (not now.valid)
     return m;
+  if (std::min({now.at[0], now.at[1], 1 - now.at[0], 1 - now.at[1]}) <= 0)
+    for (const auto& [first, second] : beside(a, b, now))
+      if (cross_edges(*first, *second, step.u).valid)
+        return m;
   const std::int64_t nodes[4] = {a.nodes[0], a.nodes[1], b.nodes[0], b.nodes[1]};
   if (now.gap < 0)
   {
@@ -624,16 +682,29 @@ GeneralContact::Meeting GeneralContact::meet(const Edge& a, const Edge& b, const
       if (k < 2)
         size += std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
     }
-    for (int k = 0; k < 2; ++k)
+    for (int k = 0; k < 2 and not(spring.closed and spring.offset == 0); ++k)
     {
       const Vec<double> along =
           rest_.at(nodes[2 * k + 1]) + at(step.u, nodes[2 * k + 1]) - rest_.at(nodes[2 * k]) - at(step.u, nodes[2 * k]);
-      if (std::min(now.at[k], 1 - now.at[k]) * norm(along) <= -inside_factor * now.gap)
+      const auto& goes_on = (k == 0 ? a : b).goes_on;
+      const double from = now.at[k] * norm(along), to = (1 - now.at[k]) * norm(along);
+      if ((goes_on[0] < 0 and from <= -inside_factor * now.gap) or (goes_on[1] < 0 and to <= -inside_factor * now.gap))
         return m;
     }
     if (now.gap > -4 * std::numeric_limits<double>::epsilon() * size)
       now.gap = 0;
-    if (not spring.closed and -now.gap > shallow * height)
+    for (const auto& [first, second] : beside(a, b, now))
+      if (not spring.closed and -now.gap < height)
+      {
+        const Crossing last = cross_beyond(*first, *second, step.u - step.moved);
+        if (not last.valid or last.gap >= 0 or std::abs(now.gap - last.gap) > 2.1 * fastest_ or
+            dot(now.n, last.n) < sliding)
+          continue;
+        if (cross_edges(*first, *second, step.u).valid)
+          return {};
+        m.follows = true;
+      }
+    if (not spring.closed and not m.follows and -now.gap > shallow * height)
     {
       const Crossing before = cross_edges(a, b, step.u - step.moved);
       if (-now.gap >= deepest * height or not before.valid or before.gap <= -shallow * height)
@@ -648,7 +719,7 @@ GeneralContact::Meeting GeneralContact::meet(const Edge& a, const Edge& b, const
     const double w = k % 2 == 0 ? 1 - now.at[k / 2] : now.at[k / 2];
     m.shares.push_back({nodes[k], k < 2 ? w : -w});
     m.turning.push_back(nodes[k]);
-    sum += w * compliance(nodes[k], step.dt);
+    sum += std::abs(w) * compliance(nodes[k], step.dt);
   }
   m.gap = now.gap;
   m.n = now.n;
@@ -700,7 +771,7 @@ ContactStatus GeneralContact::advance(Spring& spring, const Meeting& m, const Co
   }
   const double r = met ? dot(m.n, moved) : 0;
   if (met and not last.closed)
-    spring.offset = step.n == 0 ? 0.0 : std::max(0.0, r - m.gap);
+    spring.offset = step.n == 0 or m.follows ? 0.0 : std::max(0.0, r - m.gap);
   const double gap = m.gap + spring.offset, delta = met ? overlap(gap, r) : 0;
   spring.closed = delta > 0;
   spring.gap = m.gap;
@@ -715,7 +786,10 @@ ContactStatus GeneralContact::advance(Spring& spring, const Meeting& m, const Co
   if (last.closed)
     stored = last.normal * last.normal / (2 * last.stiffness);
   else if (spring.closed)
+  {
     stored = k * std::pow(std::max(0.0, r - gap), 2) / 2;
+    answer_.absorbed -= m.follows ? stored : 0.0; // what the pair before it has given up
+  }
   const double a = last.e + stored - last.normal * dot(last.n, there) / 2;
   const double b = dot(last.t, last.t) / (2 * last.stiffness) - (dot(last.t, there) + turned) / 2;
   spring.shares.clear();

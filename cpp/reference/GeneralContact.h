@@ -42,6 +42,7 @@ private:
     std::vector<Share> shares;
     std::vector<std::int64_t> turning; // nodes that take the moment
     double stiffness = 0;              // [F/L]
+    bool follows = false;              // another pair bore the force before
   };
   struct Closest
   {
@@ -55,6 +56,7 @@ private:
   {
     std::int64_t nodes[2];
     int facets[2], sides[2];
+    int goes_on[2] = {-1, -1}; // as which edge, at each end
   };
   struct Crossing
   {
@@ -93,7 +95,9 @@ private:
   std::vector<Candidate> choose(std::int64_t node, const NodeSprings& springs, const ContactStep& step) const;
   Meeting meet(std::int64_t node, const Candidate& c, const ContactStep& step) const;
   void advance(std::int64_t node, std::int64_t place, const ContactStep& step);
-  Crossing cross_edges(const Edge& a, const Edge& b, const Vector& u) const;
+  Crossing cross_edges(const Edge& a, const Edge& b, const Vector& u, bool lines = false) const;
+  Crossing cross_beyond(const Edge& a, const Edge& b, const Vector& u) const;
+  std::vector<std::pair<const Edge*, const Edge*>> beside(const Edge& a, const Edge& b, const Crossing& now) const;
   Meeting meet(const Edge& a, const Edge& b, const Spring& spring, const ContactStep& step) const;
   ContactStatus advance(Spring& spring, const Meeting& m, const ContactStep& step);
   void clear();

@@ -36,6 +36,7 @@ def failed(cell, name):
         ("triangle", "strip"),
         ("quadrilateral", "block on"),
         ("hexahedron", "crossed"),
+        ("hexahedron", "sliding prism"),
         ("quadrilateral", "block in a notch"),
         ("tetrahedron", "block in a notch"),
     ),

@@ -43,6 +43,7 @@ def touching(cell: str, degree: int, variation: RandomVariation = RandomVariatio
         yield _strip(cell)
     else:
         yield _crossed_prisms(cell, variation)
+        yield _sliding_prism(cell)
     yield _notch(cell)
 
 
@@ -84,9 +85,19 @@ def _strip(cell: str) -> Scenario:
     return _run("strip that folds", domain, velocity)
 
 
+def _sliding_prism(cell: str) -> Scenario:
+    """As crossed prisms; the upper one slides along the edge of the lower one, over nodes."""
+    domain = _prisms(cell, (2, 8, 2), RandomVariation())
+    return _run("sliding prism", domain, lambda x: np.where(x[:, 2:] > 1.0 + 0.5 * GAP, (0.0, 0.25, -0.05), 0.0), 0.1)
+
+
 def _crossed_prisms(cell: str, variation: RandomVariation) -> Scenario:
     """Two prisms that lie crosswise and meet edge on edge."""
-    domain, _ = two_bodies(cell, (2, 3, 2), (3, 2, 2), start=(0.0, 0.0), length=(1.0, 1.0))
+    return _run("crossed prisms", _prisms(cell, (2, 3, 2), variation), falling(0.04, 0.01))
+
+
+def _prisms(cell: str, lower: tuple[int, ...], variation: RandomVariation) -> Mesh:
+    domain, _ = two_bodies(cell, lower, (3, 2, 2), start=(0.0, 0.0), length=(1.0, 1.0))
     x, upper = domain.geometry.x, open_gap(domain, GAP)
     # Two boxes with an edge upward, along the second axis, and downward, along the first one; shifted, so that the
     # edges cross between nodes.
@@ -101,7 +112,7 @@ def _crossed_prisms(cell: str, variation: RandomVariation) -> Scenario:
     x[upper, :2] += (0.02, 0.03)
     x[:, 2] += 1.0 - QUARTER
     variation.rotate_upper_body(domain, lambda p: 1.0 - np.abs(p[:, 0]))
-    return _run("crossed prisms", domain, falling(0.04, 0.01))
+    return domain
 
 
 def _notch(cell: str) -> Scenario:

@@ -297,8 +297,47 @@ void GeneralContact::keep_edges()
   _edge_pairs.clear();
 }
 
+/// Find the edges as which sharp edges go on beyond their ends. The undeformed body decides, on all ranks alike.
+void GeneralContact::continue_edges()
+{
+  const auto& edges = _loops.edges();
+  _continuations.assign(edges.size(), {-1, -1});
+  std::vector<std::vector<std::pair<std::int32_t, int>>> at_node(_halo->num_nodes()); // edge and end
+  const auto outward = [&](std::int32_t e, int end)
+  {
+    std::array<double, 3> out;
+    double squared = 0.0;
+    for (int c = 0; c < 3; ++c)
+    {
+      out[c] = _X[std::size_t(edges[e].nodes[end]) * 3 + c] - _X[std::size_t(edges[e].nodes[1 - end]) * 3 + c];
+      squared += out[c] * out[c];
+    }
+    for (double& value : out)
+      value /= std::sqrt(squared);
+    return out;
+  };
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (const loop::EdgeAtPresent at = edge_at(edges[e], _loops, _X.data(), nullptr);
+        loop::dot<3>(at.normals[0], at.normals[1]) < loop::sharp)
+      for (int end = 0; end < 2; ++end)
+        at_node[edges[e].nodes[end]].push_back({std::int32_t(e), end});
+  for (const auto& all : at_node)
+    for (const auto& [e, end] : all)
+    {
+      double most = going_on;
+      for (const auto& [other, other_end] : all)
+        if (const double along = -loop::dot<3>(outward(e, end).data(), outward(other, other_end).data());
+            other != e && along > most)
+        {
+          most = along;
+          _continuations[e][end] = other;
+        }
+    }
+}
+
 void GeneralContact::list_edges(const std::vector<double>& x)
 {
+  continue_edges();
   const double reach = 1.05 * _candidates.room() + _deepest;
   std::vector<std::int32_t> sharp, found;
   std::vector<double> boxes;

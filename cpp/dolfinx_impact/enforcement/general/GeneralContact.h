@@ -2,6 +2,7 @@
 #pragma once
 #include "../../search/general/FacetLoops.h"
 #include "../../search/general/closest_on_loop.h"
+#include "../../search/general/crossed_edges.h"
 #include "../ContactStatus.h"
 #include "../node_to_surface/NodalContact.h"
 #include "../node_to_surface/NodeCandidates.h"
@@ -105,6 +106,13 @@ private:
     std::int32_t first = -1, second = -1;
     double next = 0.0; ///< motion from which they have to be looked at again [L]
   };
+  /// Edges that go on as others: does a pair wait while another one bears, or follow it?
+  enum class Following
+  {
+    no,
+    waits,
+    follows
+  };
   struct Touch;
   struct Touches;
   /// Where the force of the last step on a node acts.
@@ -161,6 +169,10 @@ private:
   void resume_springs(const state::State& saved, int slot);
   void count_closed(std::size_t i);
   void add_edges(EdgePair& pair, const NodalState& state);
+  search::loop::Crossing cross_beyond(std::int32_t first, std::int32_t second, const double* minus) const;
+  Following follows(const EdgePair& pair, const search::loop::Crossing& now, const NodalState& state) const;
+  bool goes_on_elsewhere(const EdgePair& pair, const search::loop::Crossing& now) const;
+  void continue_edges();
   template <int D>
   void add_all(const NodalState& state, std::span<double> f);
   void update_positions(const NodalState& state);
@@ -198,10 +210,11 @@ private:
   std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
   std::vector<double> _next;                ///< by node, as in EdgePair
   std::vector<EdgePair> _edge_pairs;
-  std::map<EdgeKey, EdgeSpring> _kept_edges;    ///< histories until edges are listed again
-  std::map<EdgeKey, std::int32_t> _kept_owners; ///< of those that `resume` brought: position among the nodes
-  double _moved = 0.0;                          ///< sum of the largest increments since the lists were made [L]
-  double _largest_step = 0.0;                   ///< largest increment of a node in this step [L]
+  std::vector<std::array<std::int32_t, 2>> _continuations; ///< edge that goes on at each end of an edge; -1: none
+  std::map<EdgeKey, EdgeSpring> _kept_edges;               ///< histories until edges are listed again
+  std::map<EdgeKey, std::int32_t> _kept_owners;            ///< of those that `resume` brought: position among the nodes
+  double _moved = 0.0;        ///< sum of the largest increments since the lists were made [L]
+  double _largest_step = 0.0; ///< largest increment of a node in this step [L]
 
   std::vector<NodeSpring> _springs;     ///< [node*springs_per_node + slot]
   std::vector<std::int8_t> _num_closed; ///< springs of each node

@@ -555,24 +555,102 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
     update_results<D>(i, touches);
 }
 
+namespace
+{
+double length_of(const loop::EdgeAtPresent& edge)
+{
+  return std::hypot(edge.ends[1][0] - edge.ends[0][0], edge.ends[1][1] - edge.ends[0][1],
+                    edge.ends[1][2] - edge.ends[0][2]);
+}
+} // namespace
+
+/// Crossing of two edges, or of what they go on as beyond their ends, no farther than they are behind each other: where
+/// an edge bends, two neighbours have their common perpendiculars to another edge on both sides of the bend.
+loop::Crossing GeneralContact::cross_beyond(std::int32_t first, std::int32_t second, const double* minus) const
+{
+  const std::int32_t edges[2] = {first, second};
+  const loop::EdgeAtPresent ends[2] = {edge_at(_loops.edges()[first], _loops, _x.data(), minus),
+                                       edge_at(_loops.edges()[second], _loops, _x.data(), minus)};
+  loop::Crossing out = loop::cross_lines(ends[0], ends[1]);
+  for (int k = 0; k < 2 && out.valid; ++k)
+  {
+    const int end = out.at[k] > 0.0 ? 1 : 0;
+    const double beyond = (end == 1 ? out.at[k] - 1.0 : -out.at[k]) * length_of(ends[k]);
+    out.valid = beyond < 0.0 || (_continuations[edges[k]][end] >= 0 && beyond <= -out.gap);
+  }
+  return out;
+}
+
+namespace
+{
+/// Each pair of edges beside two that cross, that one of them or both go on as, at the nearer ends.
+template <typename Each>
+bool any_beside(const std::vector<std::array<std::int32_t, 2>>& continuations, std::int32_t first, std::int32_t second,
+                const loop::Crossing& now, Each&& each)
+{
+  const std::int32_t next[2] = {continuations[first][now.at[0] < 0.5 ? 0 : 1],
+                                continuations[second][now.at[1] < 0.5 ? 0 : 1]};
+  return (next[0] >= 0 && each(next[0], second)) || (next[1] >= 0 && each(first, next[1])) ||
+         (next[0] >= 0 && next[1] >= 0 && each(next[0], next[1]));
+}
+} // namespace
+
+/// Did another pair, as which these edges go on, bear the force in the step before? Then this pair waits as long as the
+/// other one crosses, and follows it.
+GeneralContact::Following GeneralContact::follows(const EdgePair& pair, const loop::Crossing& now,
+                                                  const NodalState& state) const
+{
+  Following out = Following::no;
+  any_beside(_continuations, pair.first, pair.second, now,
+             [&](std::int32_t first, std::int32_t second)
+             {
+               const loop::Crossing last = cross_beyond(first, second, state.du.data());
+               if (!last.valid || !(last.gap < 0.0) || !(std::abs(now.gap - last.gap) <= 2.1 * _largest_step) ||
+                   loop::dot<3>(now.normal, last.normal) < sliding)
+                 return false;
+               const bool crosses = loop::cross_edges(edge_at(_loops.edges()[first], _loops, _x.data(), nullptr),
+                                                      edge_at(_loops.edges()[second], _loops, _x.data(), nullptr))
+                                        .valid;
+               out = crosses ? Following::waits : Following::follows;
+               return crosses;
+             });
+  return out;
+}
+
+/// Do edges cross that two closed ones go on as, whose points lie beyond their ends?
+bool GeneralContact::goes_on_elsewhere(const EdgePair& pair, const loop::Crossing& now) const
+{
+  return any_beside(_continuations, pair.first, pair.second, now,
+                    [&](std::int32_t first, std::int32_t second)
+                    {
+                      return loop::cross_edges(edge_at(_loops.edges()[first], _loops, _x.data(), nullptr),
+                                               edge_at(_loops.edges()[second], _loops, _x.data(), nullptr))
+                          .valid;
+                    });
+}
+
 void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
 {
   const SurfaceEdge &first = _loops.edges()[pair.first], &second = _loops.edges()[pair.second];
   const loop::EdgeAtPresent a = edge_at(first, _loops, _x.data(), nullptr);
   const loop::EdgeAtPresent b = edge_at(second, _loops, _x.data(), nullptr);
   PairSpring& spring = pair.spring;
-  loop::Crossing at = loop::cross_edges(a, b);
+  loop::Crossing at = spring.closed ? cross_beyond(pair.first, pair.second, nullptr) : loop::cross_edges(a, b);
+  if (spring.closed && at.valid && !at.inside())
+    at.valid = !goes_on_elsewhere(pair, at);
   const std::int32_t nodes[4] = {first.nodes[0], first.nodes[1], second.nodes[0], second.nodes[1]};
+  bool follower = false;
   if (at.valid && at.gap < 0.0)
   {
-    const auto length = [](const loop::EdgeAtPresent& edge)
+    const double lengths[2] = {length_of(a), length_of(b)};
+    // What has come through between the ends stays. What began with an offset, behind already, gives way near them.
+    const bool came_through = spring.closed && !(spring.spring.offset > 0.0);
+    for (int k = 0; k < 2 && !came_through; ++k)
     {
-      return std::hypot(edge.ends[1][0] - edge.ends[0][0], edge.ends[1][1] - edge.ends[0][1],
-                        edge.ends[1][2] - edge.ends[0][2]);
-    };
-    const double lengths[2] = {length(a), length(b)};
-    for (int k = 0; k < 2; ++k)
-      at.valid &= std::min(at.at[k], 1.0 - at.at[k]) * lengths[k] > -inside_factor * at.gap;
+      const auto& [from, to] = _continuations[k == 0 ? pair.first : pair.second];
+      at.valid &= from >= 0 || at.at[k] * lengths[k] > -inside_factor * at.gap;
+      at.valid &= to >= 0 || (1.0 - at.at[k]) * lengths[k] > -inside_factor * at.gap;
+    }
     double height = _height[nodes[0]], size = 0.0;
     for (const std::int32_t node : nodes)
       height = std::min(height, _height[node]);
@@ -580,7 +658,12 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
       size += std::abs(a.ends[0][c]) + std::abs(a.ends[1][c]);
     if (at.gap > -4.0 * std::numeric_limits<double>::epsilon() * size)
       at.gap = 0.0;
-    if (!spring.closed && at.valid && -at.gap > shallow_part * height)
+    // What is deeper than a cell is high is the far side of a body.
+    const bool may_follow = !spring.closed && at.valid && -at.gap < height;
+    const Following following = may_follow ? follows(pair, at, state) : Following::no;
+    follower = following == Following::follows;
+    at.valid &= following != Following::waits;
+    if (!spring.closed && at.valid && !follower && -at.gap > shallow_part * height)
     {
       const loop::Crossing before = loop::cross_edges(edge_at(first, _loops, _x.data(), state.du.data()),
                                                       edge_at(second, _loops, _x.data(), state.du.data()));
@@ -588,7 +671,12 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
     }
   }
   if (!spring.closed)
-    pair.next = _moved + 0.5 * std::sqrt(loop::squared_distance(a, b));
+  {
+    // An edge that follows another one begins as deep as that was.
+    const auto goes_on = [this](std::int32_t e) { return std::max(_continuations[e][0], _continuations[e][1]) >= 0; };
+    const double depth = goes_on(pair.first) || goes_on(pair.second) ? _height[nodes[0]] : 0.0;
+    pair.next = _moved + 0.5 * std::max(0.0, std::sqrt(loop::squared_distance(a, b)) - depth);
+  }
   if (spring.closed && at.valid && loop::dot<3>(at.normal, spring.normal) < sliding)
     at.valid = false;
   const bool known = pair.weights[0] + pair.weights[1] > 0.0;
@@ -613,7 +701,7 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
   double motion[3] = {}, compliance = 0.0;
   for (int k = 0; k < 4; ++k)
   {
-    compliance += weights[k] * _compliance[nodes[k]];
+    compliance += std::abs(weights[k]) * _compliance[nodes[k]];
     for (int c = 0; c < 3; ++c)
       motion[c] += (k < 2 ? 1.0 : -1.0) * weights[k] * state.du[std::size_t(nodes[k]) * 3 + c];
   }
@@ -629,7 +717,13 @@ void GeneralContact::add_edges(EdgePair& pair, const NodalState& state)
     correction.add_rotation<3>(4, r, [&](int k, int c) { return state.du[std::size_t(nodes[k]) * 3 + c]; }, motion);
   }
   const double closing = loop::dot<3>(at.normal, motion);
-  spring.begin_at_rest(at.gap, closing, _first);
+  spring.begin_at_rest(at.gap, closing, _first || follower);
+  if (follower)
+  {
+    // It begins with the energy that the pair before it has given up, which counted as dissipated.
+    const double before = std::max(0.0, closing - at.gap);
+    _energy.normal += 0.5 * share_of_way / compliance * before * before;
+  }
   const PairForce out =
       spring.advance<3>({at.normal, at.gap + spring.spring.offset, closing, motion, known ? last : motion, turn_work},
                         share_of_way / compliance, _options.friction, _energy);

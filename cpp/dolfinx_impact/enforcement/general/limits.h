@@ -18,8 +18,10 @@ inline constexpr double facing = -0.1, sliding = 0.6;
 inline constexpr double facing_of_lists = 0.5, sharp_of_lists = 0.985;
 /// A facet of the same body that a node was behind at the start, by less than so many cells, is the far side of it.
 inline constexpr double cells_behind = 3.0;
-/// Edges touch between their ends: farther from them than the depth, by this factor.
+/// Edges touch between their ends: farther from them than the depth, by this factor, where they do not go on.
 inline constexpr double inside_factor = 2.0;
+/// Cosine of the angle between two edges, sharp and straight in the undeformed body, of which one goes on as the other.
+inline constexpr double going_on = 0.94;
 /// Facets are equally near if their distances differ by less than this part: of those with one closest point, on an
 /// edge, that with the smaller id counts, whatever the rounding.
 inline constexpr double equally_near = 1e-9;
