@@ -266,6 +266,20 @@ void bind_contact(nb::module_& m)
                 QuadraturePenalty(std::move(name), std::move(V), slave, master, options, tangent_of(std::move(bodies)));
           },
           nb::arg("name"), nb::arg("V"), nb::arg("slave"), nb::arg("master"), nb::arg("options"), nb::arg("bodies"))
+      .def(
+          "__init__",
+          [](QuadraturePenalty* self, std::string name, std::shared_ptr<const FunctionSpace> V, const Facets& facets,
+             const std::vector<std::pair<Facets, Facets>>& named, const PenaltyOptions& options, Assemble bodies)
+          {
+            std::vector<dolfinx_impact::search::NamedPair> pairs;
+            for (const auto& [slave, master] : named)
+              pairs.push_back({slave, master});
+            new (self)
+                QuadraturePenalty(std::move(name), std::move(V), facets, pairs, options, tangent_of(std::move(bodies)));
+          },
+          nb::arg("name"), nb::arg("V"), nb::arg("facets"), nb::arg("named"), nb::arg("options"), nb::arg("bodies"),
+          "General contact of a surface with itself")
+      .def_prop_ro("deepest", &QuadraturePenalty::deepest, "Deepest penetration of all ranks. Collective")
       .def_prop_ro("penalty", &QuadraturePenalty::penalty)
       .def_prop_ro("tangential", &QuadraturePenalty::tangential)
       .def_prop_ro("convex", &QuadraturePenalty::convex)

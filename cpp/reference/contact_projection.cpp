@@ -43,6 +43,9 @@ Projector::Projector(const Surface& master, const Vector& u, double search_dista
   for (const Facet& facet : master.facets)
   {
     u_.push_back(gather(master, facet, u));
+    std::vector<Vec<Dual<2>>>& constants = constant_u_.emplace_back();
+    for (const auto& v : u_.back())
+      constants.push_back(constant<Dual<2>>(v));
     const Vec<double> c = spot<double>(master, facet, u_.back(), facet_centre(master.type)).x;
     // |x - c| <= Lebesgue constant (at most 5/3) x distance of the nodes of geometry and displacement to the centre.
     const Spot<double> rest = reference_spot<double>(master, facet, facet_centre(master.type));
@@ -65,10 +68,8 @@ Projector::Projector(const Surface& master, const Vector& u, double search_dista
 std::array<double, 6> Projector::derivatives(std::int64_t facet, const Foot& foot, const Vec<double>& x) const
 {
   using T = Dual<2>;
-  std::vector<Vec<T>> u;
-  for (const auto& v : u_[facet])
-    u.push_back(constant<T>(v));
-  const auto s = spot<T>(master_, master_.facets[facet], u, {T::variable(foot.xi[0], 0), T::variable(foot.xi[1], 1)});
+  const auto s = spot<T>(master_, master_.facets[facet], constant_u_[facet],
+                         {T::variable(foot.xi[0], 0), T::variable(foot.xi[1], 1)});
   std::array<double, 6> result{};
   for (int k = 0; k < foot.dim; ++k)
   {
@@ -125,6 +126,17 @@ bool Projector::converge(std::int64_t facet, const Vec<double>& x, Foot& foot) c
   return inside(master_.type, foot.xi);
 }
 
+// No point of the edge from a to b is closer than this, but for round-off of positions. An edge is a parabola, its
+// chord and (1 - s^2) times its height in the middle, s from -1 to 1: it is nowhere further from the chord than there.
+double Projector::distance_to_edge(std::int64_t facet, const Local& a, const Local& b, const Vec<double>& x) const
+{
+  const auto at = [&](const Local& xi) { return spot<double>(master_, master_.facets[facet], u_[facet], xi).x; };
+  const Vec<double> first = at(a), last = at(b), middle = at({0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])});
+  const Vec<double> chord = last - first;
+  const double along = std::clamp(dot(x - first, chord) / dot(chord, chord), 0.0, 1.0);
+  return norm(x - first - along * chord) - norm(middle - 0.5 * (first + last)) - 1e-12 * norm(chord);
+}
+
 Foot Projector::closest_on(std::int64_t facet, const Vec<double>& x) const
 {
   const CellType type = master_.type;
@@ -141,6 +153,7 @@ Foot Projector::closest_on(std::int64_t facet, const Vec<double>& x) const
   start.dim = master_.tdim();
   start.direction = {Local{1, 0}, Local{0, 1}};
   start.xi = facet_centre(type);
+  double least = at(start.xi);
   if (not master_.affine())
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < (master_.tdim() == 2 ? 5 : 1); ++j)
@@ -148,14 +161,21 @@ Foot Projector::closest_on(std::int64_t facet, const Vec<double>& x) const
         Local xi{0.5 * i - 1, master_.tdim() == 2 ? 0.5 * j - 1 : 0};
         if (type == CellType::triangle)
           xi = {0.25 * i, 0.25 * j};
-        if (inside(type, xi) and at(xi) < at(start.xi))
+        if (not inside(type, xi))
+          continue;
+        if (const double distance = at(xi); distance < least)
+        {
           start.xi = xi;
+          least = distance;
+        }
       }
   consider(start);
   const auto better_than_best = [&](double distance) { return distance < best.distance * (1 - 1e-14); };
   for (const auto& edge : facet_edges(master_))
   {
     const Local a = facet_vertex(type, edge[0]), b = facet_vertex(type, edge[1]);
+    if (not better_than_best(distance_to_edge(facet, a, b, x)))
+      continue;
     Foot foot;
     foot.dim = 1;
     foot.direction[0] = {(b[0] - a[0]) / 2, (b[1] - a[1]) / 2};
@@ -164,9 +184,9 @@ Foot Projector::closest_on(std::int64_t facet, const Vec<double>& x) const
     for (int i = 0; i < 5; ++i)
     {
       const Local xi{a[0] + 0.25 * i * (b[0] - a[0]), a[1] + 0.25 * i * (b[1] - a[1])};
-      if (at(xi) < nearest)
+      if (const double distance = at(xi); distance < nearest)
       {
-        nearest = at(xi);
+        nearest = distance;
         foot.xi = xi;
       }
     }

@@ -48,6 +48,7 @@ public:
 
 private:
   Foot closest_on(std::int64_t facet, const Vec<double>& x) const;
+  double distance_to_edge(std::int64_t facet, const Local& a, const Local& b, const Vec<double>& x) const;
   bool converge(std::int64_t facet, const Vec<double>& x, Foot& foot) const;
   Vec<double> normal_at(const Foot& foot) const;
   std::array<double, 6> derivatives(std::int64_t facet, const Foot& foot, const Vec<double>& x) const;
@@ -55,7 +56,8 @@ private:
   const Surface& master_;
   double search_distance_;
   std::vector<std::vector<Vec<double>>> u_;
-  std::vector<Vec<double>> centres_; // of spheres around the facets
+  std::vector<std::vector<Vec<Dual<2>>>> constant_u_; // the same, whose derivatives are zero
+  std::vector<Vec<double>> centres_;                  // of spheres around the facets
   std::vector<double> radii_;
 };
 

@@ -82,8 +82,10 @@ def run(report: Report, ranks: Sequence[int] = (1, 2, 3), progress: bool = True,
 
 
 def _environment() -> dict[str, str]:
-    """Environment for mpirun, which otherwise refuses root, and more ranks than cores."""
+    """Environment for mpirun, which otherwise refuses root, and more ranks than cores. Ranks that wait for each other
+    leave their core to others."""
     extra = {"OMP_NUM_THREADS": "1", "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
+    extra["OMPI_MCA_mpi_yield_when_idle"] = "1"
     if os.geteuid() == 0:
         extra |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     return {**extra, **os.environ}

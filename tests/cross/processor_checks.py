@@ -12,7 +12,7 @@ from impact_verify import runs_in_time
 from impact_verify.report import Report
 from impact_verify.scenarios import explicit_runs, our_adapter
 
-STEPS = 60
+STEPS = 30
 
 
 def runs(cells):

@@ -18,6 +18,7 @@ from impact_verify import ranks
 from dolfinx_impact import operators
 ranks.CASES = ranks.CASES[:1]
 ranks.contact_ranks.CASES = [(*c[:3], c[3][:1]) for c in ranks.contact_ranks.CASES[:1] if {contact}]
+ranks.explicit_ranks.STEPS = 300
 ranks.explicit_ranks.CASES = [c for c in ranks.explicit_ranks.CASES[:1] if {explicit}]
 {fault}
 sys.argv = ["ranks", sys.argv[1]]

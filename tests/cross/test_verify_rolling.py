@@ -157,7 +157,8 @@ def test_a_translation_with_a_load_is_seen(monkeypatch):
     assert failed(rolling.compare_matrices, free("quadrilateral")) == {"load"}
 
 
-@pytest.mark.long_rows(where=lambda make, factor: factor == -1.0 and make is not on_plane)
+# The least fault is looked for on all bodies. Greater ones, with which solutions are hardly found, on one.
+@pytest.mark.long_rows(where=lambda make, factor: factor != SMALL and make is not on_plane)
 @pytest.mark.parametrize("make", [on_plane, on_rail, in_space])
 @pytest.mark.parametrize("factor", [-1.0, 0.0, SMALL])
 def test_another_convective_derivative_is_seen(monkeypatch, make, factor):

@@ -49,7 +49,10 @@ Points make_points(const surface::Facets& slave, std::span<const double> points,
   return out;
 }
 
-void update(Points& points, const surface::Facets& slave, const search::SurfaceSearch& master, double reach, bool keep)
+namespace
+{
+/// Positions, and what project(q, position, previous facet) finds there.
+void update_each(Points& points, const surface::Facets& slave, bool keep, auto&& project)
 {
   check_points(points, slave);
   const int gdim = points.gdim;
@@ -58,7 +61,7 @@ void update(Points& points, const surface::Facets& slave, const search::SurfaceS
   {
     const std::int32_t f = points.facet[q];
     const surface::FacetPoint s = surface::evaluate(slave, f, slave.x_of(f), points.xi.data() + 2 * q);
-    const search::Projection p = master.project(s.x, s.normal, reach, keep ? points.master[q] : -1, points.margin[q]);
+    const search::Projection p = project(q, s, keep ? points.master[q] : -1);
     std::copy_n(s.x, gdim, points.x.data() + q * gdim);
     points.status[q] = p.status;
     points.entity[q] = p.entity;
@@ -68,6 +71,24 @@ void update(Points& points, const surface::Facets& slave, const search::SurfaceS
     points.gap[q] = p.gap;
     std::copy_n(p.normal, gdim, points.normal.data() + q * gdim);
   }
+}
+} // namespace
+
+void update(Points& points, const surface::Facets& slave, const search::SurfaceSearch& master, double reach, bool keep)
+{
+  update_each(points, slave, keep, [&](std::size_t q, const surface::FacetPoint& s, std::int32_t previous)
+              { return master.project(s.x, s.normal, reach, previous, points.margin[q]); });
+}
+
+void update(Points& points, const surface::Facets& slave, const search::GeneralSearch& master, double reach, bool keep,
+            std::span<const double> depth)
+{
+  update_each(points, slave, keep,
+              [&](std::size_t q, const surface::FacetPoint& s, std::int32_t previous)
+              {
+                return master.project({points.facet[q], points.xi.data() + 2 * q, s.x, s.normal, depth[q]}, reach,
+                                      previous, points.margin[q]);
+              });
 }
 
 void update(Points& points, const surface::Facets& slave, const Rigid& master)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../search/closest_point/SurfaceSearch.h"
+#include "../search/general/GeneralSearch.h"
 #include "Rigid.h"
 #include <span>
 #include <vector>
@@ -45,6 +46,11 @@ Points make_points(const surface::Facets& slave, std::span<const double> points,
 /// @param[in] reach search distance [L]
 /// @param[in] keep points over a common edge stay on the facet they had (same master facets as in the last update)
 void update(Points& points, const surface::Facets& slave, const search::SurfaceSearch& master, double reach, bool keep);
+
+/// Positions and gaps for a surface that may touch itself.
+/// @param[in] depth penetrations of the points in the last converged state, zero of open ones [L]
+void update(Points& points, const surface::Facets& slave, const search::GeneralSearch& master, double reach, bool keep,
+            std::span<const double> depth);
 
 /// Positions and gaps for a rigid master.
 void update(Points& points, const surface::Facets& slave, const Rigid& master);

@@ -59,9 +59,11 @@ class StaticContactProblem(ContactProblem, Protocol):
 
     Attributes:
         fixed: mask of prescribed dofs, owned and ghosts.
+        named_pairs: pairs of surfaces of its contacts, which general contact leaves alone.
     """
 
     fixed: BoolArray
+    named_pairs: list[ContactPair]
 
     @property
     def tangent(self) -> BodyTangent:

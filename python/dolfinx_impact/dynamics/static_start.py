@@ -11,6 +11,7 @@ from dolfinx import fem
 from ..assembly import problem_arguments
 from ..contact.mortar.tie import Tie, TieContact
 from ..contact.penalty.penalty import Penalty
+from ..contact.penalty.static_general import StaticGeneral
 from ..statics.static_problem import StaticProblem
 from .started_problem import StartedProblem
 
@@ -40,6 +41,8 @@ def check(static: StaticProblem, given: dict[str, Any]) -> None:
     for k, (new, old) in enumerate(zip(contact, static.contact)):
         if isinstance(new, Tie) != isinstance(old, TieContact):
             raise TypeError(f"contact {k}: a tie goes on as a tie, {type(old).__name__} does as {type(new).__name__}")
+        if isinstance(old, StaticGeneral):
+            raise TypeError(f"contact {k}: springs of general contact are not handed over: name the surfaces in pairs")
         if not isinstance(new, (Penalty, Tie)):
             raise TypeError(f"contact {k}: from_static hands over to Penalty, found {type(new).__name__}")
         new.pair.refuse_rigid_body("a run that begins with an equilibrium")

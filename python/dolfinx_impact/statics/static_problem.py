@@ -35,6 +35,7 @@ from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
+from ..contact.explicit.general import named_pairs
 from ..contact.names import named_apart
 from ..contact.protocol import BodyTangent
 from ..loads import Load
@@ -130,6 +131,7 @@ class StaticProblem(BodyResults):
             )  # fmt: skip
             problem_arguments.computes(u, residual, evaluate)
             bodies = None if residual is None else ResidualBodies(u.function_space.mesh, hypothesis)
+            pairs = named_pairs(contact)
             arguments.options(options)
             ranks.same(**given, options=options, prefix=prefix, hypothesis=hypothesis)
         self.u, self.material, self.bcs, self.loads = u, material, tuple(bcs), tuple(loads)
@@ -155,6 +157,7 @@ class StaticProblem(BodyResults):
         for bc in self.bcs:
             self.fixed[bc.dof_indices()[0]] = True
         self.recorders: list[LoadStepRecorder] = []
+        self.named_pairs = pairs
         self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
             [c._bind(self) for c in named_apart(contact)]
         )

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../../search/general/FacetLoops.h"
+#include "../../search/general/NamedPair.h"
 #include "../../search/general/closest_on_loop.h"
 #include "../../search/general/crossed_edges.h"
 #include "../ContactStatus.h"
@@ -20,11 +21,7 @@ struct GeneralContactOptions
   double friction = 0.0; ///< coefficient [1]
 };
 
-/// Two surfaces that another contact pushes apart: general contact leaves them alone.
-struct NamedPair
-{
-  surface::Facets slave, master;
-};
+using search::NamedPair;
 
 /// Results of the last step at the surface nodes that this rank owns. Vectors: [i*gdim + c].
 struct GeneralResults

@@ -4,6 +4,7 @@
 #include "../../operators/nodal_sums.h"
 #include "../../operators/petsc_check.h"
 #include <dolfinx/la/Vector.h>
+#include <algorithm>
 #include <functional>
 #include <stdexcept>
 
@@ -28,6 +29,14 @@ PenaltyForces::PenaltyForces(const Setup& setup, const surface::Facets& master, 
 {
 }
 
+PenaltyForces::PenaltyForces(const Setup& setup, std::unique_ptr<search::GeneralSearch> general)
+    : PenaltyForces(setup, setup.slave)
+{
+  _general = std::move(general);
+  if (_slave.gdim == 3 && _slave.displacement.degree == 1 && _slave.geometry.degree == 1)
+    _edges.emplace(_slave);
+}
+
 PenaltyForces::PenaltyForces(Setup setup, std::shared_ptr<const gap::Rigid> master)
     : PenaltyForces(std::move(setup), nullptr, std::move(master))
 {
@@ -42,7 +51,7 @@ std::shared_ptr<const dolfinx::common::IndexMap> PenaltyForces::map() const
 
 PenaltyPair PenaltyForces::pair() const
 {
-  return {_points, slave(), master(), parameters, history, _increment, _rigid_increment, law()};
+  return {_points, slave(), master(), parameters, history, _increment, _rigid_increment, law(), _share};
 }
 
 void PenaltyForces::update_gap(std::span<const double> u, std::span<const double> start, bool stay)
@@ -50,6 +59,14 @@ void PenaltyForces::update_gap(std::span<const double> u, std::span<const double
   if (_search)
   {
     _search->update(u, start);
+    if (_general)
+    {
+      _general->update(*_search, start);
+      gap::update(_points, _search->slave(), *_general, _search->reach(), stay && _search->kept(), history.depth);
+      if (_edges)
+        _edges->update(*_search, *_general, u, start);
+      return update_shares();
+    }
     gap::update(_points, _search->slave(), _search->closest(), _search->reach(), stay && _search->kept());
     return;
   }
@@ -58,6 +75,20 @@ void PenaltyForces::update_gap(std::span<const double> u, std::span<const double
       throw std::invalid_argument("the displacements are fewer than the surface's nodes");
   surface::move(_slave, u.data());
   gap::update(_points, _slave, *_rigid);
+}
+
+/// The softer one of two bodies decides on the penalties between them.
+void PenaltyForces::update_shares()
+{
+  if (share_of_body.empty())
+    return;
+  _share.resize(_points.size());
+  for (std::size_t q = 0; q < _points.size(); ++q)
+  {
+    const double own = share_of_body[_general->slave_bodies()[_points.facet[q]]];
+    const std::int32_t facet = _points.master[q];
+    _share[q] = facet < 0 ? own : std::min(own, share_of_body[_general->master_bodies()[facet]]);
+  }
 }
 
 void PenaltyForces::forget()
@@ -85,6 +116,8 @@ void PenaltyForces::evaluate()
   if (_law)
     evaluate_law();
   _state = enforcement::evaluate(pair());
+  if (_edges)
+    _edges->evaluate(parameters, share_of_body);
 }
 
 void PenaltyForces::resume_law()
@@ -123,8 +156,8 @@ void PenaltyForces::evaluate_law()
   _law->evaluate(_points, {history.offset, history.slip, increments}, on_slave, on_master);
 }
 
-/// Forces of a state on both bodies, owned entries.
-std::vector<double> PenaltyForces::nodal_forces(const PenaltyState& state) const
+/// Forces of a state on both bodies, owned entries; with `closing` the state is `stretched`.
+std::vector<double> PenaltyForces::nodal_forces(const PenaltyState& state, bool closing) const
 {
   const auto nodes = map();
   const std::size_t owned = std::size_t(nodes->size_local()) * _slave.gdim;
@@ -133,6 +166,8 @@ std::vector<double> PenaltyForces::nodal_forces(const PenaltyState& state) const
   {
     std::vector<double> values(_search->exchange()->size(), 0.0);
     add_force(pair(), state, values);
+    if (_edges)
+      closing ? _edges->add_closing_force(values) : _edges->add_force(values);
     _search->exchange()->reverse(values, out);
     return out;
   }
@@ -146,17 +181,17 @@ std::vector<double> PenaltyForces::nodal_forces(const PenaltyState& state) const
 
 std::vector<double> PenaltyForces::contact_forces() const
 {
-  return nodal_forces(_state);
+  return nodal_forces(_state, false);
 }
 
 std::vector<double> PenaltyForces::closing_forces() const
 {
-  return nodal_forces(stretched(pair(), _state));
+  return nodal_forces(stretched(pair(), _state), true);
 }
 
 void PenaltyForces::add_residual(Vec b) const
 {
-  operators::subtract(nodal_forces(_state), b);
+  operators::subtract(nodal_forces(_state, false), b);
 }
 
 Mat PenaltyForces::tangent(bool convex)
@@ -173,9 +208,13 @@ Mat PenaltyForces::tangent(bool convex)
     const std::size_t num = coupled_nodes(now, q, nodes);
     couplings.add(key, {nodes, num}, {nodes, num});
   }
+  if (_edges)
+    _edges->add_couplings(std::int64_t(slave().size()) * num_master, couplings);
   _matrix.reset(map(), _slave.gdim, couplings);
   enforcement::tangent(now, _state, convex, [&](std::span<const std::int32_t> at, std::span<const double> block)
                        { _matrix.add(at, at, block); });
+  if (_edges)
+    _edges->add_tangent(convex, _matrix);
   _matrix.finish();
   return _matrix.matrix();
 }

@@ -2,6 +2,8 @@
 #pragma once
 #include "../../operators/NodalMatrix.h"
 #include "../../search/closest_point/PairSearch.h"
+#include "../../search/general/GeneralSearch.h"
+#include "../general/CrossedEdges.h"
 #include "LawPoints.h"
 #include "penalty.h"
 #include <memory>
@@ -28,10 +30,15 @@ public:
   /// A deformable master. Collective.
   /// @param[in] search_distance see search::PairSearch [L]
   PenaltyForces(const Setup& setup, const surface::Facets& master, double search_distance = 0.0);
+  /// The slave meets itself: general contact. Collective.
+  /// @param[in] general of the slave's facets
+  PenaltyForces(const Setup& setup, std::unique_ptr<search::GeneralSearch> general);
   /// A rigid one; it may be moved between updates (Rigid::displacement).
   PenaltyForces(Setup setup, std::shared_ptr<const gap::Rigid> master);
 
   PenaltyParameters parameters;
+  /// General contact: part of the penalties that each body bears; a point has the smaller one of both bodies [1].
+  std::vector<double> share_of_body;
 
   /// Closest points and gaps. Collective.
   /// @param[in] u, start displacements, now and when the step began, owned and ghosts [L]
@@ -74,6 +81,13 @@ public:
   /// Search of a deformable master, else null.
   search::PairSearch* search() { return _search.get(); }
   const search::PairSearch* search() const { return _search.get(); }
+  /// Search of general contact, else null.
+  const search::GeneralSearch* general() const { return _general.get(); }
+  /// Springs of crossed edges of general contact in space, else null.
+  CrossedEdges* edges() { return _edges ? &*_edges : nullptr; }
+  const CrossedEdges* edges() const { return _edges ? &*_edges : nullptr; }
+  /// Part of the penalties that a point has [1].
+  double share_of(std::size_t q) const { return _share.empty() ? 1.0 : _share[q]; }
   /// Energy of springs whose gradient is minus the contact force, without friction and multipliers; this rank's part
   /// [F L].
   double energy() const { return enforcement::energy(pair(), _state); }
@@ -81,13 +95,17 @@ public:
 private:
   PenaltyForces(Setup setup, std::unique_ptr<search::PairSearch> search, std::shared_ptr<const gap::Rigid> rigid);
   PenaltyPair pair() const;
-  std::vector<double> nodal_forces(const PenaltyState& state) const;
+  std::vector<double> nodal_forces(const PenaltyState& state, bool closing) const;
   void evaluate_law();
+  void update_shares();
 
   std::shared_ptr<const surface::FunctionSpace> _space;
   surface::Facets _slave; ///< moved with u where the master is rigid
   std::shared_ptr<const gap::Rigid> _rigid;
   std::unique_ptr<search::PairSearch> _search;
+  std::unique_ptr<search::GeneralSearch> _general;
+  std::optional<CrossedEdges> _edges;
+  std::vector<double> _share; ///< by point; empty: all of the penalties [1]
   gap::Points _points;
   std::optional<LawPoints> _law;
   PenaltyState _state;

@@ -31,6 +31,10 @@ constexpr double coarse = 2.0;
 constexpr double least_facing = 0.5;
 /// Part of the bodies' size below which a change of closest points is round-off.
 constexpr double still = 1e-12;
+/// General contact: points of both sides bear half of the pressure each.
+constexpr double share_of_side = 0.5;
+/// General contact: penetration of a converged state over the height of the cell behind the facet.
+constexpr double deepest_part = 0.5;
 
 /// Diagonal of the box around each facet in the reference configuration [L].
 std::vector<double> facet_sizes(const surface::Facets& facets)
@@ -98,6 +102,15 @@ const PenaltyOptions& checked(const PenaltyOptions& o)
 }
 
 /// Options with a search distance within which layers touch. Collective.
+PenaltyForces made_forces(const PenaltyForces::Setup& setup, const std::shared_ptr<gap::Rigid>& rigid,
+                          std::unique_ptr<search::GeneralSearch> general, const surface::Facets* master,
+                          double search_distance)
+{
+  if (general)
+    return PenaltyForces(setup, std::move(general));
+  return rigid ? PenaltyForces(setup, rigid) : PenaltyForces(setup, *master, search_distance);
+}
+
 PenaltyOptions with_reach(PenaltyOptions o, MPI_Comm comm, const surface::Facets& slave, const surface::Facets* master)
 {
   o.search_distance = gap::search_distance(comm, slave, master, o.search_distance, o.adjustment.offset);
@@ -107,8 +120,8 @@ PenaltyOptions with_reach(PenaltyOptions o, MPI_Comm comm, const surface::Facets
 
 QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
                                      surface::Facets slave, std::optional<surface::Facets> master,
-                                     std::shared_ptr<gap::Rigid> rigid, const PenaltyOptions& options,
-                                     TangentFunction bodies)
+                                     std::shared_ptr<gap::Rigid> rigid, std::unique_ptr<search::GeneralSearch> general,
+                                     const PenaltyOptions& options, TangentFunction bodies)
     : _name(std::move(name)), _space(std::move(V)),
       _options(with_reach(checked(options), _space->mesh()->comm(), slave, master ? &*master : nullptr)),
       _bodies(std::move(bodies)), _slave(std::move(slave)), _master(std::move(master)), _rigid(std::move(rigid)),
@@ -116,10 +129,8 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
       _rule(surface::quadrature(_slave.displacement.shape, _options.quadrature_degree > 0
                                                                ? _options.quadrature_degree
                                                                : 2 * _slave.displacement.degree + 2)),
-      _forces(_rigid ? PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric, _options.law},
-                                     _rigid)
-                     : PenaltyForces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric, _options.law},
-                                     *_master, _options.search_distance)),
+      _forces(made_forces({_space, _slave, _rule.points, _rule.weights, _options.axisymmetric, _options.law}, _rigid,
+                          std::move(general), _master ? &*_master : nullptr, _options.search_distance)),
       _uzawa(_space->dofmap()->index_map, _slave, _rule), _penalty(_options.penalty), _tangential(_options.tangential)
 {
   const auto map = _space->dofmap()->index_map;
@@ -135,6 +146,8 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
     _keeper.emplace(comm());
     _keeper->begin(_forces.points().margin);
   }
+  if (this->general())
+    refuse_overlap();
   locate(_start);
   std::vector<double> over_master = at().gap; // infinite beside it
   for (std::size_t q = 0; q < over_master.size(); ++q)
@@ -149,7 +162,7 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
                                      surface::Facets slave, surface::Facets master, const PenaltyOptions& options,
                                      TangentFunction bodies)
     : QuadraturePenalty(std::move(name), std::move(V), std::move(slave), std::optional(std::move(master)), nullptr,
-                        options, std::move(bodies))
+                        nullptr, options, std::move(bodies))
 {
 }
 
@@ -157,7 +170,15 @@ QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const sur
                                      surface::Facets slave, gap::Rigid master, const PenaltyOptions& options,
                                      TangentFunction bodies)
     : QuadraturePenalty(std::move(name), std::move(V), std::move(slave), std::nullopt,
-                        std::make_shared<gap::Rigid>(std::move(master)), options, std::move(bodies))
+                        std::make_shared<gap::Rigid>(std::move(master)), nullptr, options, std::move(bodies))
+{
+}
+
+QuadraturePenalty::QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V,
+                                     surface::Facets facets, std::span<const search::NamedPair> named,
+                                     const PenaltyOptions& options, TangentFunction bodies)
+    : QuadraturePenalty(std::move(name), V, facets, std::optional(facets), nullptr,
+                        std::make_unique<search::GeneralSearch>(V, facets, named), options, std::move(bodies))
 {
 }
 
@@ -168,6 +189,90 @@ double QuadraturePenalty::sum_over_ranks(double value) const
 }
 
 // --- load steps ----------------------------------------------------------------------------------------------------
+
+/// Refuse bodies of general contact that overlap: the side of a facet that a point belongs to would not be known.
+/// Collective.
+void QuadraturePenalty::refuse_overlap()
+{
+  if (_options.augmented || _options.law || _options.adjustment.adjusts() || _options.adjustment.offset != 0.0)
+    throw std::invalid_argument(_name + ": general contact has no augmentation, law of the interface or adjusted gaps: "
+                                        "name the pairs of surfaces that are to have them");
+  locate(_start);
+  const search::GeneralSearch& general = *_forces.general();
+  const surface::Facets& slave = _forces.slave();
+  double most = 0.0;
+  for (std::size_t q = 0; q < at().size(); ++q)
+  {
+    const std::int32_t f = at().facet[q];
+    const surface::FacetPoint p = surface::evaluate(slave, f, slave.x_of(f), at().xi.data() + 2 * q);
+    const search::SearchingPoint point{f, at().xi.data() + 2 * q, p.x, p.normal, 0.0};
+    most = std::max(most, general.overlap(point, _forces.search()->reach()) / general.own_height(f));
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm());
+  if (most > search::GeneralSearch::shallow_part)
+    throw std::invalid_argument(_name + ": bodies overlap before anything is loaded, by " + common::text("%.2g", most) +
+                                " of the height of a cell, and general contact takes " +
+                                common::text("%.2g", search::GeneralSearch::shallow_part) +
+                                ": move them apart, or name the surfaces as a pair");
+}
+
+/// Penalties of general contact, which each body has for itself: the softer one of two decides, and points of both
+/// sides bear half each. Collective.
+void QuadraturePenalty::set_penalties()
+{
+  if (!_forces.share_of_body.empty())
+    return;
+  const int num = _forces.general()->num_bodies();
+  if (_penalty > 0.0)
+  {
+    _forces.share_of_body.assign(num, share_of_side);
+    return;
+  }
+  if (!_bodies)
+    throw std::invalid_argument(_name + ": an automatic penalty needs the tangent of the bodies");
+  const std::vector<double> each = automatic_penalties(_bodies(), *_space, _slave, _forces.general()->slave_bodies(),
+                                                       num, _rule, _options.axisymmetric);
+  for (const double value : each)
+    _penalty = std::max(_penalty, std::isfinite(value) ? value : 0.0);
+  for (const double value : each)
+    _forces.share_of_body.push_back(share_of_side * std::min(value / _penalty, 1.0));
+}
+
+/// Penetrations of a converged state are what a point may have through the next one. Not collective.
+void QuadraturePenalty::keep_depths()
+{
+  for (std::size_t q = 0; q < at().size(); ++q)
+    _forces.history.depth[q] = std::isfinite(at().gap[q]) ? std::max(0.0, -at().gap[q]) : 0.0;
+}
+
+double QuadraturePenalty::deepest() const
+{
+  double out = 0.0;
+  for (const double value : gap())
+    out = std::max(out, -value);
+  if (const CrossedEdges* edges = _forces.edges())
+    out = std::max(out, edges->deepest());
+  MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_DOUBLE, MPI_MAX, comm());
+  return out;
+}
+
+/// Points of general contact that are deeper than the cell behind the facet is high, in words: beyond it they would be
+/// taken for points of the far side. Collective.
+std::string QuadraturePenalty::too_deep() const
+{
+  double most = 0.0;
+  for (std::size_t q = 0; q < at().size(); ++q)
+    if (const std::int32_t facet = at().master[q]; facet >= 0)
+      most = std::max(most, -at().gap[q] / _forces.general()->height(facet));
+  if (const CrossedEdges* edges = _forces.edges())
+    most = std::max(most, edges->deepest_part());
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, comm());
+  if (!(most > deepest_part))
+    return "";
+  return _name + ": a point is pressed in by " + common::text("%.2g", most) +
+         " of the height of a cell: the surface is too coarse, or the bodies too unlike, for a penalty; name the "
+         "surfaces as a pair with multipliers (Lagrange), or refine them";
+}
 
 double QuadraturePenalty::automatic() const
 {
@@ -240,6 +345,12 @@ state::State QuadraturePenalty::state()
     law->add_to(out, per_facet);
   out.add("corners", Place::node, state::View(std::span(_uzawa.multiplier).first(num_owned)));
   out.add("start", Place::node, state::View(std::span(_start).first(num_owned * gdim)), gdim);
+  if (general())
+  {
+    out.add("depth", Place::facet, h.depth, per_facet);
+    if (CrossedEdges* edges = _forces.edges())
+      edges->add_to(out);
+  }
   out.add("start_displacement", Place::all, state::View(std::span<double>(_start_displacement)), 3);
   out.add("displacement", Place::all, state::View(std::span<double>(_displacement)), 3);
   if (turns())
@@ -255,6 +366,8 @@ void QuadraturePenalty::begin_step(std::span<const double> u, const std::optiona
 {
   if (_options.law)
     _penalty = _tangential = 1.0; // not used, but to be positive
+  if (general())
+    set_penalties();
   if (_penalty == 0.0)
   {
     _penalty = automatic();
@@ -308,6 +421,13 @@ void QuadraturePenalty::accept_step()
   _totals.update(comm(), {at().gdim, at().x, tractions, slips, now, at().weight, part});
   if (law)
     _totals.dissipated += sum_over_ranks(law->accept(at().weight));
+  if (general())
+  {
+    keep_depths();
+    if (CrossedEdges* edges = _forces.edges())
+      _totals.dissipated += sum_over_ranks(edges->accept());
+    _totals.force = _totals.moment = {}; // the surface pushes itself
+  }
 }
 
 void QuadraturePenalty::set_time_step(double dt)
@@ -326,6 +446,8 @@ bool QuadraturePenalty::augment()
 {
   if (leave_facets())
     return true;
+  if (general())
+    _fault = too_deep();
   if (!_options.augmented)
     return false;
   const double tolerance = _options.tolerance * _size;
@@ -465,6 +587,16 @@ state::State QuadraturePenalty::saved_state()
   out.add_own("penalties", Place::all, std::vector<double>{_penalty, _tangential});
   if (_options.augmented)
     out.add_copies(now, corners);
+  static const std::string depth[] = {"depth"};
+  if (general())
+  {
+    out.add_copies(now, depth);
+    if (_forces.edges())
+      out.add_copies(now, CrossedEdges::state_names());
+    std::vector<double> shares = _forces.share_of_body; // none before the first increment
+    shares.resize(_forces.general()->num_bodies(), 0.0);
+    out.add_own("shares", Place::all, std::move(shares), _forces.general()->num_bodies());
+  }
   if (const LawPoints* law = _forces.law())
     out.add_copies(now, law->names());
   return out;
@@ -485,6 +617,9 @@ void QuadraturePenalty::resume(const state::State& saved, std::span<const double
   _start_displacement = _displacement;
   if (turns())
     std::ranges::copy(saved.values<double>("rotation"), _rotation.begin());
+  if (general())
+    if (const auto shares = saved.values<double>("shares"); shares[0] > 0.0)
+      _forces.share_of_body.assign(shares.begin(), shares.end());
   begin_step(u, displacement());
   update_gap(u);
   if (_keeper) // points a little beside a facet that they were kept on go back on it
@@ -564,6 +699,8 @@ int QuadraturePenalty::update_active_set(bool, std::optional<std::int64_t>)
   }
   if (_keeper)
     changed += _keeper->watch(facets, _forces.search()->kept(), _forces.points().margin);
+  if (CrossedEdges* edges = _forces.edges())
+    changed += edges->num_changed();
   _last_status = now;
   std::array<int, 2> sums{changed, _forces.law() ? int(_forces.law()->num_unsolved()) : 0};
   MPI_Allreduce(MPI_IN_PLACE, sums.data(), 2, MPI_INT, MPI_SUM, comm());
@@ -579,13 +716,17 @@ bool QuadraturePenalty::symmetric() const
   const std::vector<ContactStatus> now = status();
   if (_options.law)
     return !_options.law->has_shear();
-  return sum_over_ranks(has_friction() && std::ranges::count(now, ContactStatus::slip) > 0) == 0.0;
+  const bool edges_slip = _forces.edges() && std::ranges::any_of(_forces.edges()->closed(), [](const CrossedPair& pair)
+                                                                { return pair.status == ContactStatus::slip; });
+  return sum_over_ranks(has_friction() && (edges_slip || std::ranges::count(now, ContactStatus::slip) > 0)) == 0.0;
 }
 
 std::int64_t QuadraturePenalty::num_active() const
 {
   const std::vector<ContactStatus> now = status();
   std::int64_t number = std::int64_t(now.size()) - std::ranges::count(now, ContactStatus::open);
+  if (const CrossedEdges* edges = _forces.edges())
+    number += std::int64_t(edges->closed().size());
   MPI_Allreduce(MPI_IN_PLACE, &number, 1, MPI_INT64_T, MPI_SUM, comm());
   return number;
 }
@@ -655,24 +796,18 @@ std::vector<double> QuadraturePenalty::rigid_body_products(const operators::Rigi
   const std::vector<ContactStatus> now = status();
   const std::vector<double> closest = closest_points();
   std::vector<double> row(num, 0.0);
-  for (std::size_t q = 0; q < now.size(); ++q)
+  // Two points that are held together along a direction, or along all of them.
+  const auto add = [&](std::int32_t own, const double* x, std::int32_t other, const double* y, const double* n,
+                       bool sticks)
   {
-    if (now[q] == ContactStatus::open)
-      continue;
-    const double* n = at().normal.data() + q * gdim;
-    const std::int32_t own = body[_forces.slave().nodes_of(at().facet[q])[0]];
-    const std::int32_t other = _master ? body[_forces.master()->nodes_of(at().master[q])[0]] : own;
-    // With friction the point is held in all directions; but nothing holds a point along the surface that closes only
-    // in this increment.
-    const bool sticks = has_friction() && !(_forces.history.gap[q] > 0.0);
     for (int k = 0; k < (sticks ? gdim : 1); ++k)
     {
       double direction[3];
       for (int c = 0; c < gdim; ++c)
         direction[c] = !sticks ? n[c] : c == k ? 1.0 : 0.0;
-      modes.add_work(own, at().x.data() + q * gdim, direction, 1.0, row);
+      modes.add_work(own, x, direction, 1.0, row);
       if (_master)
-        modes.add_work(other, closest.data() + q * gdim, direction, -1.0, row);
+        modes.add_work(other, y, direction, -1.0, row);
       for (int i = 0; i < (other == own ? per_body : 2 * per_body); ++i)
         for (int j = 0; j < (other == own ? per_body : 2 * per_body); ++j)
         {
@@ -683,7 +818,28 @@ std::vector<double> QuadraturePenalty::rigid_body_products(const operators::Rigi
       for (std::int32_t b : {own, other})
         std::fill_n(row.begin() + b * per_body, per_body, 0.0);
     }
+  };
+  for (std::size_t q = 0; q < now.size(); ++q)
+  {
+    if (now[q] == ContactStatus::open)
+      continue;
+    const std::int32_t own = body[_forces.slave().nodes_of(at().facet[q])[0]];
+    const std::int32_t other = _master ? body[_forces.master()->nodes_of(at().master[q])[0]] : own;
+    // With friction the point is held in all directions; but nothing holds a point along the surface that closes only
+    // in this increment.
+    add(own, at().x.data() + q * gdim, other, closest.data() + q * gdim, at().normal.data() + q * gdim,
+        has_friction() && !(_forces.history.gap[q] > 0.0));
   }
+  if (const CrossedEdges* edges = _forces.edges())
+    for (const CrossedPair& pair : edges->closed())
+    {
+      double x[2][3] = {};
+      for (int i = 0; i < 4; ++i)
+        for (int c = 0; c < 3; ++c)
+          x[i / 2][c] += std::abs(pair.weights[i]) * pair.ends[i][c];
+      add(body[pair.nodes[0]], x[0], body[pair.nodes[2]], x[1], pair.normal,
+          has_friction() && !(pair.gap_before > 0.0));
+    }
   return out;
 }
 
@@ -756,15 +912,17 @@ double QuadraturePenalty::stored_energy() const
   double out = 0.0;
   for (std::size_t i = 0; i < pressures.size(); ++i)
   {
-    double density = 0.5 * pressures[i] * pressures[i] / _penalty;
+    double density = 0.5 * pressures[i] * pressures[i] / (_penalty * _forces.share_of(i));
     if (has_friction())
       for (std::size_t c = 0; c < gdim; ++c)
       {
         const double tangential = tractions[i * gdim + c] - pressures[i] * normals[i * gdim + c];
-        density += 0.5 * tangential * tangential / _tangential;
+        density += 0.5 * tangential * tangential / (_tangential * _forces.share_of(i));
       }
     out += weights[i] * density;
   }
+  if (const CrossedEdges* edges = _forces.edges())
+    out += edges->energy();
   return sum_over_ranks(out);
 }
 

@@ -52,6 +52,16 @@ public:
   QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                     gap::Rigid master, const PenaltyOptions& options, TangentFunction bodies = {});
 
+  /// General contact: all facets of a surface may meet each other, and each point bears half of the penalty, as points
+  /// of both sides do. Collective.
+  /// @param[in] facets this rank's facets of the surface (make_surface)
+  /// @param[in] named pairs of surfaces that are left to other contacts
+  /// @throws std::invalid_argument on all ranks, also for augmentation, laws of the interface and adjusted gaps, and if
+  /// bodies overlap by more than a twentieth of a cell
+  QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets facets,
+                    std::span<const search::NamedPair> named, const PenaltyOptions& options,
+                    TangentFunction bodies = {});
+
   const std::string& name() const override { return _name; }
   std::string fault() const override { return _fault; }
   void check_parameters() override;
@@ -101,7 +111,11 @@ public:
   double dissipated() const override { return _totals.dissipated; }
   double stored_energy() const override;
 
-  /// Penalty in use; 0 before the first increment with an automatic one [F/L^3].
+  /// Do all facets of a surface meet each other?
+  bool meets_itself() const { return general(); }
+  /// Deepest penetration of all ranks in the present state, zero without any [L]. Collective.
+  double deepest() const;
+  /// Penalty in use; of general contact that between the stiffest bodies; 0 before the first increment with an automatic one [F/L^3].
   double penalty() const { return _penalty; }
   /// Tangential penalty in use; 0 before the first increment [F/L^3].
   double tangential() const { return _tangential; }
@@ -126,7 +140,13 @@ private:
   std::vector<double> facing_gap() const;
   QuadraturePenalty(std::string name, std::shared_ptr<const surface::FunctionSpace> V, surface::Facets slave,
                     std::optional<surface::Facets> master, std::shared_ptr<gap::Rigid> rigid,
-                    const PenaltyOptions& options, TangentFunction bodies);
+                    std::unique_ptr<search::GeneralSearch> general, const PenaltyOptions& options,
+                    TangentFunction bodies);
+  bool general() const { return _forces.general() != nullptr; }
+  void refuse_overlap();
+  void set_penalties();
+  void keep_depths();
+  std::string too_deep() const;
   MPI_Comm comm() const { return _space->mesh()->comm(); }
   const gap::Points& at() const { return _forces.points(); }
   double sum_over_ranks(double value) const;

@@ -3,8 +3,11 @@
 #include "../../gap/points.h"
 #include "../../surface/Surface.h"
 #include "../../surface/quadrature.h"
+#include <cstdint>
 #include <petscmat.h>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace dolfinx_impact::enforcement
 {
@@ -18,6 +21,15 @@ namespace dolfinx_impact::enforcement
 /// @param[in] axisymmetric x is the radius
 double automatic_penalty(Mat K, const surface::FunctionSpace& V, const surface::Facets& slave,
                          const surface::Facets* master, const surface::QuadratureRule& rule, bool axisymmetric);
+
+/// The same of each body for itself: what a contact between it and a stiffer one has [F/L^3]. Collective.
+/// @param[in] facets this rank's facets of all bodies
+/// @param[in] body of each facet
+/// @param[in] num_bodies of all ranks
+/// @returns infinite for bodies without facets
+std::vector<double> automatic_penalties(Mat K, const surface::FunctionSpace& V, const surface::Facets& facets,
+                                        std::span<const std::int32_t> body, int num_bodies,
+                                        const surface::QuadratureRule& rule, bool axisymmetric);
 
 /// Refuse a given penalty that is much larger than the stiffness of the bodies. Not collective.
 /// @param[in] name of the pair, for the error

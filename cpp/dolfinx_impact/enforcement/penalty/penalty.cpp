@@ -53,7 +53,7 @@ double trial_pressure(const PenaltyPair& pair, std::size_t q)
 {
   // Layers end where the master does, and what is beside it was not adjusted.
   const double gap = pair.points.gap[q] + (pair.points.beside[q] ? 0.0 : pair.history.offset[q]);
-  return pair.history.multiplier[q] - pair.parameters.normal * gap;
+  return pair.history.multiplier[q] - pair.normal_penalty(q) * gap;
 }
 
 /// Part of the step's motion that counts for friction: what comes after closing, if pressure and gap go straight from
@@ -61,7 +61,7 @@ double trial_pressure(const PenaltyPair& pair, std::size_t q)
 /// @param[out] slope its derivative with respect to the pressure
 double counted_part(const PenaltyPair& pair, double pressure, std::size_t q, double& slope)
 {
-  const double before = pair.history.multiplier[q] - pair.parameters.normal * pair.history.gap[q];
+  const double before = pair.history.multiplier[q] - pair.normal_penalty(q) * pair.history.gap[q];
   slope = 0.0;
   if (!(pair.history.gap[q] > 0.0) || before >= 0.0)
     return 1.0;
@@ -78,7 +78,7 @@ Friction friction_point(const PenaltyPair& pair, const PenaltyState& state, std:
   return {gdim,
           state.pressure[q],
           pair.parameters.friction,
-          pair.parameters.tangential,
+          pair.parameters.tangential * pair.share_of(q),
           pair.points.normal.data() + q * gdim,
           pair.history.traction.data() + q * gdim,
           increment};
@@ -92,7 +92,7 @@ void traction_derivative(const PenaltyPair& pair, const PenaltyState& state, std
   const double* n = pair.points.normal.data() + q * gdim;
   double dp[Variation::max_num], dt[3 * Variation::max_num];
   for (int j = 0; j < num; ++j)
-    dp[j] = -pair.parameters.normal * v.d_gap[j];
+    dp[j] = -pair.normal_penalty(q) * v.d_gap[j];
   for (int c = 0; c < gdim; ++c)
     for (int j = 0; j < num; ++j)
       dz[c * num + j] = dp[j] * n[c] + state.pressure[q] * v.d_normal[c * num + j];
@@ -143,7 +143,7 @@ void add_point(const PenaltyPair& pair, const PenaltyState& state, std::size_t q
   if (convex)
   {
     const double* n = pair.points.normal.data() + q * gdim;
-    const double stiffness = pair.law ? std::max(pair.law->stiffness(q), 0.0) : pair.parameters.normal;
+    const double stiffness = pair.law ? std::max(pair.law->stiffness(q), 0.0) : pair.normal_penalty(q);
     for (int i = 0; i < num; ++i)
       for (int j = 0; j < num; ++j)
         B[i * num + j] = i < gdim ? -stiffness * n[i] * v.d_gap[j] : 0.0;
@@ -181,7 +181,8 @@ void check(const PenaltyPair& pair)
   const gap::Points& p = pair.points;
   const std::size_t num = p.size();
   if (pair.history.multiplier.size() != num || pair.history.traction.size() != num * p.gdim ||
-      pair.history.slip.size() != num * p.gdim || pair.history.gap.size() != num || pair.history.offset.size() != num)
+      pair.history.slip.size() != num * p.gdim || pair.history.gap.size() != num || pair.history.offset.size() != num ||
+      (!pair.share.empty() && pair.share.size() != num))
     throw std::invalid_argument("the history belongs to other points");
   if (p.gdim != pair.slave.gdim || num != p.per_facet * pair.slave.size())
     throw std::invalid_argument("the points belong to another slave");
@@ -209,7 +210,8 @@ PenaltyHistory make_history(const gap::Points& points)
 {
   const std::size_t num = points.size() * points.gdim;
   return {std::vector<double>(points.size(), 0.0), std::vector<double>(num, 0.0), std::vector<double>(num, 0.0),
-          std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0)};
+          std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0),
+          std::vector<double>(points.size(), 0.0)};
 }
 
 PenaltyState stretched(const PenaltyPair& pair, const PenaltyState& state)
@@ -274,7 +276,7 @@ PenaltyState evaluate(const PenaltyPair& pair)
   for (std::size_t q = 0; q < p.size(); ++q)
   {
     const double trial = trial_pressure(pair, q);
-    if (!(trial > -pair.parameters.touch))
+    if (!(trial > -pair.parameters.touch * pair.share_of(q)))
     {
       std::fill_n(out.slip.data() + q * gdim, gdim, 0.0); // an open point forgets
       continue;
@@ -305,7 +307,7 @@ double energy(const PenaltyPair& pair, const PenaltyState& state)
 {
   double sum = 0.0;
   for (std::size_t q = 0; q < pair.points.size(); ++q)
-    sum += pair.points.weight[q] * state.pressure[q] * state.pressure[q];
+    sum += pair.points.weight[q] * state.pressure[q] * state.pressure[q] / pair.share_of(q);
   return sum / (2.0 * pair.parameters.normal);
 }
 

@@ -30,6 +30,7 @@ struct PenaltyHistory
   std::vector<double> slip;       ///< tangential, added up over the steps, slip[q*gdim + c] [L]
   std::vector<double> gap;        ///< of points that were open: infinite without master; of others not positive [L]
   std::vector<double> offset;     ///< added to the gaps: penetrations of the start that are removed [L]
+  std::vector<double> depth;      ///< penetration, zero of points that were open [L]
 };
 
 /// The points in one state of displacements. Vectors per point: [q*gdim + c].
@@ -67,6 +68,11 @@ struct PenaltyPair
   RigidIncrement rigid_increment{}; ///< the same of a rigid master
   /// A law of the interface in the place of the penalties and of friction, as it was evaluated last; null: none.
   const LawPoints* law = nullptr;
+  /// Part of both penalties that each point has; empty: all of them [1].
+  std::span<const double> share = {};
+
+  double share_of(std::size_t q) const { return share.empty() ? 1.0 : share[q]; }
+  double normal_penalty(std::size_t q) const { return parameters.normal * share_of(q); }
 };
 
 /// Takes a dense block of a matrix: nodes of its rows and columns, as the facets number them, and

@@ -74,7 +74,8 @@ void PairSearch::update(std::span<const double> u, std::span<const double> start
   if (_exchange)
     moved[1] = largest_distance(u, _built);
   MPI_Allreduce(MPI_IN_PLACE, moved, 2, MPI_DOUBLE, MPI_MAX, map.comm());
-  _reach = std::max(_rest_reach, 2.0 * moved[0]);
+  _motion = 2.0 * moved[0];
+  _reach = std::max(_rest_reach, _motion);
   // Candidates were taken from half as far again: they hold while nothing moves by a quarter of the reach.
   _kept = _reach <= _built_reach && moved[1] < 0.25 * _rest_reach;
   _stale = true;

@@ -35,6 +35,8 @@ public:
   std::shared_ptr<const Exchange> exchange() const { return _exchange; }
   /// Search distance of the last update [L].
   double reach() const { return _reach; }
+  /// Bound on the motion of two nodes of the surfaces against each other since the start, in the last update [L].
+  double motion() const { return _motion; }
   /// Did the last update keep the candidates and their numbers?
   bool kept() const { return _kept; }
   /// Closest points of the master as it is now.
@@ -47,7 +49,7 @@ private:
 
   std::shared_ptr<const surface::FunctionSpace> _space;
   surface::Facets _slave, _master; ///< as given
-  double _rest_reach, _reach = 0.0, _built_reach = 0.0;
+  double _rest_reach, _reach = 0.0, _built_reach = 0.0, _motion = 0.0;
   bool _kept = false, _stale = true;
   int _num_exchanges = 0;
   std::vector<double> _built; ///< displacements at the last exchange

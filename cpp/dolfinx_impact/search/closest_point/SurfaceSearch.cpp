@@ -46,6 +46,11 @@ void SurfaceSearch::update()
   }
 }
 
+Starts SurfaceSearch::starts(std::int32_t f, const double* x) const
+{
+  return _bend[f].starts(centre_distance(*_master, f, x));
+}
+
 Projection SurfaceSearch::project(const double* x, const double* slave_normal, double reach, std::int32_t previous,
                                   double margin) const
 {
@@ -56,8 +61,7 @@ Projection SurfaceSearch::project(const double* x, const double* slave_normal, d
   FacetProjection best;
   const auto visit = [&](std::int32_t f)
   {
-    const Starts starts = _bend[f].starts(centre_distance(m, f, x));
-    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(f), x, starts);
+    const FacetProjection at = project_on_facet(m.geometry, m.gdim, m.x_of(f), x, starts(f, x));
     if (at.distance <= reach &&
         (out.facet < 0 || closer(at, _master->id[f], best, _master->id[out.facet], _size[out.facet])) &&
         faces(f, at.xi))

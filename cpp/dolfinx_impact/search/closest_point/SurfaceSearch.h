@@ -24,6 +24,12 @@ public:
   /// To be called when the facets have moved.
   void update();
   const surface::Facets& master() const { return *_master; }
+  /// Boxes of the facets.
+  const BoxTree& tree() const { return _tree; }
+  /// Diagonal of the box of a facet [L].
+  double size(std::int32_t f) const { return _size[f]; }
+  /// From where on a facet the projection of a point has to start.
+  Starts starts(std::int32_t f, const double* x) const;
 
   /// @param[in] x point, gdim coordinates [L]
   /// @param[in] slave_normal normal at x, out of the slave; only facets that face it are considered

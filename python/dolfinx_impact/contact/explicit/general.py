@@ -22,9 +22,11 @@ from ...common.types import FloatArray, IntArray
 from ...loads import _tag, check_tag, facet_tags_of
 from ..nodal_sum import NodalSum
 from ..pair import ContactPair, _boundary, _guarded, _surface
-from ..protocol import ExplicitContactProblem
+from ..penalty.static_general import StaticGeneral
+from ..protocol import ExplicitContactProblem, StaticContactProblem
 from .nodal_output import NodalOutput
 
+AXIS = 1e-12  # part of the largest radius within which a facet is on the axis
 RESULTS = ("normal", "gap", "pressure", "traction", "slip", "status")  # arrays by node
 
 
@@ -47,11 +49,12 @@ class GeneralSurface(Fixed):
         which = "all outer facets" if self.tags is None else f"tags {list(self.tags)}"
         return f"GeneralSurface({self.name!r}: {which}, friction {self.friction})"
 
-    def facets(self, V: FunctionSpace) -> _cpp.surface.Facets:
+    def facets(self, V: FunctionSpace, axisymmetric: bool = False) -> _cpp.surface.Facets:
         """Find this rank's facets. Collective.
 
         Args:
             V: displacement space.
+            axisymmetric: whether x is the radius: facets on the axis are none of the surface.
 
         Returns:
             The facets.
@@ -74,6 +77,10 @@ class GeneralSurface(Fixed):
             if inside:
                 raise ValueError(f"{self.name}: {inside} facets with the tags {list(self.tags)} lie inside the body")
             chosen = np.intersect1d(tagged, exterior)
+        if axisymmetric:
+            reach = max(float(np.abs(mesh.geometry.x[:, 0]).max(initial=0.0)), 1e-300)
+            on_axis = dmesh.locate_entities_boundary(mesh, tdim - 1, lambda x: np.abs(x[0]) <= AXIS * reach)
+            chosen = np.setdiff1d(chosen, on_axis)
         return _guarded(mesh.comm, functools.partial(_surface, V, chosen))
 
 
@@ -121,11 +128,8 @@ class GeneralContact(Fixed):
         which = "all outer facets" if self.pair.tags is None else f"tags {list(self.pair.tags)}"
         return f"GeneralContact({self.pair.name!r}: {which}, friction {self.pair.friction})"
 
-    def _bind(self, problem: object) -> None:
-        raise ValueError(
-            "general contact is for explicit dynamics so far: use Lagrange or Penalty of pairs in static and implicit "
-            "problems"
-        )
+    def _bind(self, problem: StaticContactProblem) -> StaticGeneral:
+        return StaticGeneral(self.pair, problem)
 
     def _bind_explicit(self, problem: ExplicitContactProblem) -> GeneralOutput:
         return GeneralOutput(self.pair, problem)

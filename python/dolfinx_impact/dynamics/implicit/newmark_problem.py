@@ -31,6 +31,7 @@ from ...common.collective import agree, attempt, comm_of, guard
 from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
 from ...common.unique import claim
+from ...contact.explicit.general import GeneralContact, named_pairs
 from ...contact.mortar.tie import Tie, TieContact
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
@@ -182,6 +183,7 @@ class NewmarkProblem(TransientProblem):
                 evaluate=evaluate, accept=accept,
             )  # fmt: skip
             problem_arguments.computes(u, residual, evaluate)
+            named = named_pairs(contact)
             check_velocity(velocity, u)
             own: Any = None
             if residual is not None:
@@ -243,7 +245,8 @@ class NewmarkProblem(TransientProblem):
         self.fixed: BoolArray = np.zeros(len(u.x.array), dtype=bool)
         for bc in bcs:
             self.fixed[(bc.bc if isinstance(bc, PrescribedMotion) else bc).dof_indices()[0]] = True
-        pairs = [c.pair for c in contact if not isinstance(c, Tie)]  # tied surfaces do not strike each other
+        # Tied surfaces do not strike each other, and of general contact all outer surfaces would be massless.
+        pairs = [c.pair for c in contact if not isinstance(c, (Tie, GeneralContact))]
         surface = MassRedistribution(V, pairs) if pairs and impact == "mass_redistribution" else None
         owned = self.fixed[: self.num_owned]
         self.inertia = Inertia(V, densities, hypothesis or "3d", tags, lumping, surface, owned, added_masses(loads))
@@ -255,6 +258,7 @@ class NewmarkProblem(TransientProblem):
         damping_force = self._damping_force(resisting, bodies)
         loaded = load_forms(u, bodies, [load for load in self.loads if load not in springs])
         work = loaded.work()
+        self.named_pairs = named
         self.contact: tuple[LagrangeContact | QuadraturePenalty | TieContact, ...] = tuple(
             [c._bind(self) for c in named_apart(contact)]
         )

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: MIT
+"""General contact of static and implicit problems, seen from Python; docs/general_contact.md."""
+
+from __future__ import annotations
+
+import functools
+import weakref
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from dolfinx import mesh as dmesh
+
+from ... import _cpp
+from ...common.collective import guard
+from ...common.types import FloatArray
+from ...loads import _tag, check_tag
+from ..nodal_sum import NodalSum
+from ..pair import _guarded, _surface
+from ..protocol import StaticContactProblem
+from .quadrature_penalty import QuadraturePenalty
+
+if TYPE_CHECKING:
+    from ..explicit.general import GeneralSurface
+
+
+class StaticGeneral(QuadraturePenalty):
+    """General contact of a static or implicit problem; points are the quadrature points of this rank's facets.
+
+    Each point has the pressure with which it is pressed on the facet that it has come through. That is half of the
+    pressure between both surfaces, as points of the other one press on its facet as well: `force_on` adds up both.
+
+    Args:
+        pair: the surface.
+        problem: the problem.
+
+    Attributes:
+        deepest: deepest penetration of all ranks in the present state [L].
+
+    Raises:
+        ValueError: surfaces that do not fit the problem, or bodies that overlap; on all ranks.
+    """
+
+    all_in_cpp = True
+
+    def __init__(self, pair: GeneralSurface, problem: StaticContactProblem) -> None:
+        self.pair: Any = pair
+        self.problem, self.options, V = problem, {}, problem.space
+        self.V, self.comm, self.gdim = V, V.mesh.comm, V.mesh.geometry.dim
+        self.slave = self.master = pair.facets(V, problem.axisymmetric)
+        self.obstacle = None
+        parameters = _cpp.penalty.PenaltyOptions()
+        parameters.friction, parameters.axisymmetric = pair.friction, problem.axisymmetric
+        surfaces = [other.surfaces(V) for other in problem.named_pairs]
+        named = [(slave, master) for slave, master in surfaces if master is not None]
+        owner = weakref.ref(problem)  # the problem has this contact, and C++ would keep both for ever
+
+        def bodies() -> Any:
+            made = owner()
+            assert made is not None  # it calls its contact
+            return made.tangent.assemble()
+
+        self._cpp_object = _cpp.penalty.QuadraturePenalty(
+            pair.name, V._cpp_object, self.slave, named, parameters, bodies
+        )
+        self._totals = self._cpp_object.totals
+        self._tell_of_penetration()
+
+    @property
+    def kind(self) -> str:
+        return "general contact at quadrature points"
+
+    def facets(self) -> tuple[Any, Any]:
+        return self.slave, None
+
+    @property
+    def deepest(self) -> float:
+        """Deepest penetration of all ranks in the present state, zero without any [L]. Collective."""
+        return float(self._cpp_object.deepest)
+
+    def force_on(self, tag: int) -> FloatArray:
+        """Contact force on the surface with a tag, in the present state. Collective.
+
+        Forces at nodes that it shares with other surfaces count to it.
+
+        Args:
+            tag: tag of facets.
+
+        Returns:
+            Force, (gdim) [F].
+
+        Raises:
+            ValueError: no facet of the boundary has the tag; on all ranks.
+        """
+        with guard(self.comm, "force_on", tag=tag):
+            which = _tag(tag)
+        mesh = self.V.mesh
+        check_tag(self.pair.facet_tags, which, mesh, self.pair.name)
+        chosen = np.intersect1d(self.pair.facet_tags.find(which), dmesh.exterior_facet_indices(mesh.topology))
+        made = _guarded(self.comm, functools.partial(_surface, self.V, chosen))
+        index_map = self.V.dofmap.index_map
+        marks = np.zeros((index_map.size_local + index_map.num_ghosts, 1))
+        marks[made.nodes] = 1.0
+        mask = NodalSum(index_map, 1)(marks)[: index_map.size_local, 0] > 0.0
+        forces = np.asarray(self._cpp_object.contact_forces()).reshape(-1, self.gdim)[mask]
+        return np.asarray(self.comm.allreduce(forces.sum(axis=0)))
