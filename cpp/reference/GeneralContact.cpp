@@ -53,8 +53,8 @@ GeneralContact::GeneralContact(const Model& model, Surface outside, NodalStiffne
                                double friction)
     : model_(model), outside_(std::move(outside)), stiffness_(std::move(stiffness)), mass_(mass), friction_(friction)
 {
-  if (outside_.degree != 1 or outside_.geometry_degree != 1 or outside_.axisymmetric)
-    throw std::invalid_argument("contact without pairs is for straight facets of degree 1, in the plane and in space");
+  if (outside_.degree != 1 or outside_.geometry_degree != 1)
+    throw std::invalid_argument("contact without pairs is for straight facets of degree 1");
   areas_ = nodal_areas(outside_);
   for (int f = 0; f < int(outside_.facets.size()); ++f)
   {
@@ -753,7 +753,7 @@ ContactStatus GeneralContact::advance(Spring& spring, const Meeting& m, const Co
     const Eigen::Vector3d w = J.partialPivLu().solve(Eigen::Vector3d(moment[0], moment[1], moment[2]));
     return Vec<double>{w(0), w(1), w(2)};
   };
-  if (met and friction_ > 0)
+  if (met and friction_ > 0 and not outside_.axisymmetric)
   {
     Vec<double> middle, moment;
     const double part = 1 / double(m.turning.size());
@@ -851,7 +851,7 @@ ContactStatus GeneralContact::advance(Spring& spring, const Meeting& m, const Co
     add(answer_.force, node, w * f);
     add(answer_.tangential, node, w * spring.t);
   }
-  if (dot(spring.t, spring.t) > 0)
+  if (dot(spring.t, spring.t) > 0 and not outside_.axisymmetric)
   {
     const Vec<double> omega = turn_of(cross(lever, f));
     for (std::size_t j = 0; j < y.size(); ++j)

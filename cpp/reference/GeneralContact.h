@@ -12,7 +12,7 @@ public:
   /// @param outside all outer facets, of degree 1
   /// @param stiffness of the surface's nodes (nodal_stiffness) [F/L]
   /// @param mass lumped (num_dofs) [M]
-  /// @throws std::invalid_argument for facets of degree 2 and bodies of revolution
+  /// @throws std::invalid_argument for facets of degree 2
   GeneralContact(const Model& model, Surface outside, NodalStiffness stiffness, const Vector& mass, double friction);
 
   void before(const ContactStep& step) override;

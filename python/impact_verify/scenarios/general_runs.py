@@ -41,19 +41,27 @@ def touching(cell: str, degree: int, variation: RandomVariation = RandomVariatio
     if plane:
         yield _thin_plate(cell, variation)
         yield _strip(cell)
+        yield _rings(cell, variation)
     else:
         yield _crossed_prisms(cell, variation)
         yield _sliding_prism(cell)
     yield _notch(cell)
 
 
-def _run(name: str, domain: Mesh, velocity: VelocityField, friction: float = 0.3) -> Scenario:
+def _run(
+    name: str,
+    domain: Mesh,
+    velocity: VelocityField,
+    friction: float = 0.3,
+    hypothesis: str | None = None,
+    law: str = "neo_hookean",
+) -> Scenario:
     dim = domain.geometry.dim
-    hypothesis = "3d" if dim == 3 else "plane_strain"
+    hypothesis = hypothesis or ("3d" if dim == 3 else "plane_strain")
     domain.topology.create_connectivity(dim - 1, dim)
     facets = mesh.exterior_facet_indices(domain.topology)
     tags = mesh.meshtags(domain, dim - 1, facets, np.full(len(facets), OUTSIDE, dtype=np.int32))
-    body = body_of(domain, tags, 1, hypothesis, "neo_hookean", friction=friction)
+    body = body_of(domain, tags, 1, hypothesis, law, friction=friction)
     steps = 120 if dim == 3 else 250  # the hand-written solver looks at all nodes, facets and edges in every step
     return Scenario(f"{name}, contact without pairs", body, velocity, contact="general", steps=steps)
 
@@ -65,6 +73,15 @@ def _thin_plate(cell: str, variation: RandomVariation) -> Scenario:
     domain.geometry.x[lower, 1] = 1.0 - 0.08 * (1.0 - domain.geometry.x[lower, 1])
     variation.rotate_upper_body(domain)
     return _run("block on a thin plate", domain, falling(0.1))
+
+
+def _rings(cell: str, variation: RandomVariation) -> Scenario:
+    """Two rings about an axis, of which the upper one falls on the lower one."""
+    domain, _ = two_bodies(cell, (5, 3), (4, 3), start=(0.33,), length=(0.9,))
+    open_gap(domain, GAP)
+    variation.rotate_upper_body(domain)
+    domain.geometry.x[:, 0] += 0.6
+    return _run("two rings", domain, falling(0.1, 0.05), hypothesis="axisymmetric", law="linear_elastic")
 
 
 def _strip(cell: str) -> Scenario:

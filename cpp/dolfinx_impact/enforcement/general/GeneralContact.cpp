@@ -71,7 +71,7 @@ const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const sur
 GeneralContact::GeneralContact(const surface::FunctionSpace& V, const surface::Facets& facets,
                                const GeneralContactOptions& options, std::span<const NamedPair> named)
     : _options(options), _gdim(facets.gdim), _num_named(named.size()),
-      _candidates(checked(V, facets, options, named.size()), facets, &facets, 0.0, false)
+      _candidates(checked(V, facets, options, named.size()), facets, &facets, 0.0, options.axisymmetric)
 {
   const auto map = V.dofmap()->index_map;
   const std::size_t owned = map->size_local(), all = owned + map->num_ghosts();

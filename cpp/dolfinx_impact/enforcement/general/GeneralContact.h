@@ -18,7 +18,8 @@ namespace dolfinx_impact::enforcement
 {
 struct GeneralContactOptions
 {
-  double friction = 0.0; ///< coefficient [1]
+  double friction = 0.0;     ///< coefficient [1]
+  bool axisymmetric = false; ///< areas are multiplied by 2 pi R; facets on the axis are none of the surface
 };
 
 using search::NamedPair;
@@ -65,6 +66,7 @@ public:
   void resume(const state::State& saved) override;
   void reset() override;
 
+  const GeneralContactOptions& options() const { return _options; }
   const NodeCandidates& candidates() const { return _candidates; }
   const surface::Facets& facets() const { return _candidates.slave(); }
   const GeneralResults& results() const { return _results; }
@@ -142,6 +144,9 @@ private:
   void corners_at(std::size_t f, const double* x, const double* minus, double (&out)[4][D]) const;
   template <int D>
   bool faces(std::int32_t node, const double* normal) const;
+  template <int D>
+  search::loop::Closest<D> closest(std::size_t f, const double (&corners)[4][D], const double* x) const;
+  bool corrects_moments() const { return _options.friction > 0.0 && !_options.axisymmetric; }
   template <int D>
   bool behind_neighbours(std::size_t f, const double* x, const search::loop::Closest<D>& at) const;
   template <int D>

@@ -64,6 +64,19 @@ bool GeneralContact::faces(std::int32_t node, const double* normal) const
   return false;
 }
 
+/// The point of a facet that is closest to another one. A facet that ends on the axis of a body of revolution goes on
+/// beyond it: there is no end.
+template <int D>
+loop::Closest<D> GeneralContact::closest(std::size_t f, const double (&corners)[4][D], const double* x) const
+{
+  constexpr double on_axis = 1e-8; // of the facets' size, for round-off of coordinates
+  loop::Closest<D> out = loop::closest(corners, _loops.num_corners(), x);
+  if (_options.axisymmetric && out.corner >= 0 &&
+      std::abs(_X[std::size_t(_loops.corners(f)[out.corner]) * D]) <= on_axis * _candidates.size())
+    out.corner = -1;
+  return out;
+}
+
 /// Is a point whose closest point lies on the boundary of a facet behind the facets beyond, too, and no closer to them?
 /// Only then is it inside of the body. Beyond the rim of a surface it is not.
 template <int D>
@@ -193,7 +206,7 @@ bool GeneralContact::may_begin(std::size_t i, std::size_t f, double gap, const N
   for (int c = 0; c < D; ++c)
     before[c] = _x[node * D + c] - state.du[node * D + c];
   corners_at<D>(f, _x.data(), state.du.data(), corners);
-  const loop::Closest<D> last = loop::closest(corners, _loops.num_corners(), before);
+  const loop::Closest<D> last = closest<D>(f, corners, before);
   const double gap_before = loop::dot<D>(last.away, last.normal);
   const bool passed = gap_before > -shallow_part * height && (last.inside() || gap_before > 0.0);
   const bool deep = -gap > deepest_part * height;
@@ -229,7 +242,7 @@ bool GeneralContact::look(std::size_t i, int slot, const NodalState& state, Touc
     const std::size_t f = _list[k];
     double corners[4][D];
     corners_at<D>(f, _x.data(), nullptr, corners);
-    const loop::Closest<D> at = loop::closest(corners, num, x);
+    const loop::Closest<D> at = closest<D>(f, corners, x);
     touches.nearest = std::min(touches.nearest, at.squared);
     const double along = loop::dot<D>(at.away, at.normal), distance = std::sqrt(at.squared);
     const double reach = beyond + (deepest_part + shallow_part) * _height[_loops.corners(f)[0]];
@@ -322,7 +335,7 @@ bool GeneralContact::look_beyond(std::size_t i, int slot, const NodalState& stat
     const std::size_t f = _list[k];
     double corners[4][D];
     corners_at<D>(f, _x.data(), nullptr, corners);
-    const loop::Closest<D> at = loop::closest(corners, num, x);
+    const loop::Closest<D> at = closest<D>(f, corners, x);
     if (at.inside() || touches.has_facet(f) || !belongs(i, slot, at.normal, touches))
       continue;
     if (loop::dot<D>(at.away, at.normal) < 0.0 && behind_neighbours<D>(f, x, at))
@@ -470,7 +483,7 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
       for (int c = 0; c < D; ++c)
         at.motion[c] -= touch.weights[k] * state.du[std::size_t(corners[k]) * D + c];
     }
-    if (_options.friction > 0.0)
+    if (corrects_moments())
     {
       at.correction.template set<D>(
           num, [&](int k, int c) { return _x[std::size_t(corners[k]) * D + c]; }, touch.weights, _x.data() + node * D,
@@ -537,7 +550,7 @@ void GeneralContact::add_node(std::size_t i, const NodalState& state)
           for (int k = 0; k < num; ++k)
             _forces[std::size_t(corners[k]) * D + c] -= touch.weights[k] * out.force[c];
         }
-        if (out.tangential_squared > 0.0) // normal forces are along the line of both points
+        if (out.tangential_squared > 0.0 && corrects_moments()) // normal forces are along the line of both points
           at.correction.template forces<D>(num, at.r, out.force,
                                            [&](int k, int c, double value)
                                            {

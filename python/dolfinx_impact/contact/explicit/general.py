@@ -200,14 +200,12 @@ class GeneralOutput(NodalOutput):
         self.problem, self.V = problem, problem.space
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
-        if problem.axisymmetric:
-            raise ValueError(
-                f"{pair.name}: general contact is for plane and 3D problems; name pairs in axisymmetric ones"
-            )
-        self._facets = pair.facets(V)
+        self._facets = pair.facets(V, problem.axisymmetric)
         surfaces = [other.surfaces(V) for other in problem.named_pairs]
         named = [(slave, master) for slave, master in surfaces if master is not None]
-        self._general = _cpp.nodal.GeneralContact(V._cpp_object, self._facets, pair.friction, named)
+        self._general = _cpp.nodal.GeneralContact(
+            V._cpp_object, self._facets, pair.friction, named, problem.axisymmetric
+        )
         self._cpp_object = _cpp.nodal.NodalPair([self._general])
         self.nodes, self.weight = self._general.nodes, self._general.areas
         self._X = self._general.X.reshape(-1, self.gdim)

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from dolfinx import mesh
+from dolfinx import fem, mesh
 from flying_bodies import Flying, box, rotation
 from mpi4py import MPI
 
@@ -94,6 +94,36 @@ def check_both_sides_of_a_plate_on_ranks():
 
 def check_several_springs_of_a_node_on_ranks():
     _same(notch, 0.1)
+
+
+def coaxial(comm=COMM, cell="quadrilateral"):
+    """A cylinder that falls on a wider one, both with their axis in the mesh."""
+    law = di.NeoHookean(1000.0, 0.3, density=1.0, hypothesis="axisymmetric")
+    lower, upper = box((0.0, 0.0), (1.0, 1.0)), box((0.0, 1.01), (0.8, 1.81))
+    return Flying([((6, 6), lower, (0.0, 0.0)), ((5, 5), upper, (0.0, -1.0))], cell, law, comm)
+
+
+def on_the_axis(bodies):
+    V, m = bodies.V, bodies.mesh
+    facets = mesh.locate_entities_boundary(m, 1, lambda x: np.abs(x[0]) < 1e-9)
+    return fem.dirichletbc(0.0, fem.locate_dofs_topological(V.sub(0), 1, facets), V.sub(0))
+
+
+def check_bodies_of_revolution():
+    """Axial momentum and energies stay; nodes on the axis bear as their neighbours do."""
+    bodies = coaxial()
+    problem = bodies.problem(0.2, bcs=[on_the_axis(bodies)])
+    before = bodies.momentum(problem)[1]
+    problem.advance(until=0.04, dt=0.5 * problem.stable_step(), progress=False)
+    contact = problem.contact[0]
+    lower_face = (bodies.body[contact.nodes] == 1) & (bodies.X[contact.nodes, 1] < 1.02)
+    inner = lower_face & (bodies.X[contact.nodes, 0] < 0.5)
+    gaps = np.concatenate(COMM.allgather(contact.gap[inner]))
+    assert len(gaps) == 4 and np.all(gaps < -0.005) and np.ptp(gaps) < 0.05 * np.abs(gaps).max()
+    problem.advance(until=0.12, dt=0.5 * problem.stable_step(), progress=False)
+    assert abs(bodies.momentum(problem)[1] - before) < 1e-13
+    assert abs(problem.energy["drift"]) < 1e-4  # steps change once
+    assert bodies.mean_velocity(problem, 1)[1] > 0.1  # they part
 
 
 def check_momentum_on_ranks():

@@ -145,6 +145,22 @@ def test_corner_on_corner(cell):
     assert edges > 0 and deep < 0.03
 
 
+@pytest.mark.parametrize("cell", PLANE)
+def test_coaxial_cylinders_as_a_balanced_pair(cell):
+    bodies = general_contact_checks.coaxial(MPI.COMM_SELF, cell)
+    support = general_contact_checks.on_the_axis(bodies)
+    faces = faces_of_blocks(bodies)
+    pair = di.Penalty(di.ContactPair(faces, 1, 2, friction=0.2), balanced=True)
+    found = []
+    for contact in ([di.GeneralContact(faces, tags=[1, 2], friction=0.2)], [pair]):
+        problem = bodies.problem(contact=contact, bcs=[support])
+        problem.advance(until=0.06, dt=0.5 * problem.stable_step(), progress=False)
+        found.append([bodies.mean_velocity(problem, b)[1] for b in (0, 1)])
+        assert abs(problem.energy["drift"]) < (1e-4 if found[1:] else BALANCE)
+    # The same springs but for nodes that are coarser than the facets that they meet.
+    np.testing.assert_allclose(*found, atol=0.03)
+
+
 @pytest.mark.parametrize("cell", (*PLANE, "hexahedron"))
 def test_both_faces_of_a_notch_bear(cell):
     """A node that is pressed into both has a spring to each; by symmetry their forces are alike to round-off."""
@@ -365,9 +381,6 @@ def test_what_it_is_not_for():
         di.ExplicitProblem(curved, law, contact=[general])
     with pytest.raises(ValueError, match="several GeneralContact"):
         di.ExplicitProblem(u, law, contact=[general, di.GeneralContact(tags)])
-    with pytest.raises(ValueError, match="plane and 3D problems"):
-        ring_law = di.LinearElastic(1.0, 0.3, 1.0, "axisymmetric")
-        di.ExplicitProblem(fem.Function(u.function_space), ring_law, contact=[general])
 
 
 @pytest.mark.slow
