@@ -170,6 +170,15 @@ void bind_forces(nb::module_& m)
       .def_prop_ro("map", &PenaltyForces::map)
       .def_prop_ro(
           "search", [](PenaltyForces& p) { return p.search(); }, reference)
+      .def(
+          "share_of",
+          [](const PenaltyForces& p, std::size_t q)
+          {
+            if (q >= p.points().size())
+              throw nb::index_error();
+            return p.share_of(q);
+          },
+          nb::arg("q"), "Part of the penalties that a point has, in general contact that of the softer body")
       .def("energy", &PenaltyForces::energy, "Energy of the springs, this rank's part")
       .def(
           "update_gap", [](PenaltyForces& p, Values u, Values start, bool stay)

@@ -4,7 +4,7 @@ too, and contact without pairs."""
 
 import numpy as np
 
-from . import contact_patch, contact_static, general, interface_laws, stick_slip, tied
+from . import contact_patch, contact_static, general, general_static, interface_laws, stick_slip, tied
 from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
@@ -37,6 +37,7 @@ def run(report: Report, progress: bool = True) -> None:
     stick_slip.run(report)
     tied.run(report)
     general.run(report)
+    general_static.run(report)
 
 
 def patches(report: Report, cell: str, hypothesis: str, degree: int, geometry_degree: int, seed: int = 1) -> None:

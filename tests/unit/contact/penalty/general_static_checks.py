@@ -162,9 +162,9 @@ def check_a_gap_is_closed():
 
 
 def check_crossed_prisms_do_not_sink():
-    for cell in ("hexahedron", "tetrahedron"):
+    for cell in ("hexahedron", "tetrahedron")[: 1 if COMM.size > 1 else 2]:
         bodies, problem = pressed_prisms(0.03, cell=cell)
-        problem.solve(steps=3, progress=False)
+        problem.solve(steps=2, progress=False)
         contact = problem.contact[0]
         upper = contact.force_on(2)
         assert upper[2] > 1.0 and contact.num_active > 0
@@ -219,34 +219,30 @@ def check_both_sides_of_a_thin_plate():
     assert contact.deepest < 1e-3
 
 
-def check_implicit_impact_keeps_energy_and_momentum():
-    """Two free blocks that fly at each other."""
-    bodies = Flying(
-        [
-            ((3, 3), box((0.0, 0.0), (1.0, 1.0)), (0.5, 0.0)),
-            ((4, 4), box((1.02, 0.1), (2.02, 1.1)), (-0.5, 0.0)),
-        ],
-        "quadrilateral",
-    )
-    law = di.LinearElastic(1000.0, 0.3, density=1.0, hypothesis="plane_strain")
-    problem = di.NewmarkProblem(
-        fem.Function(bodies.V), law, velocity=bodies.velocity, contact=[di.GeneralContact(bodies.tags)]
-    )
-
-    def kinetic_and_momentum():
-        energy = problem.energy
-        return energy["kinetic"] + energy["internal"] + energy.get("contact", 0.0)
-
-    before = kinetic_and_momentum()
-    touched = 0
-    for _ in range(50):
-        problem.advance(until=problem.time + 0.005, dt=0.0025, progress=False)
-        touched = max(touched, problem.contact[0].num_active)
-    assert touched > 0
-    assert abs(kinetic_and_momentum() - before) < 0.03 * before
-    assert problem.contact[0].num_active == 0  # they have parted
-    back = COMM.allreduce(float(problem.velocity.x.array.reshape(-1, 2)[bodies.body == 0, 0].sum()), MPI.SUM)
-    assert back < 0.0
+def check_implicit_impact():
+    """Two free blocks that fly at each other and part; the balance of energies gets better with the step."""
+    drifts = []
+    for dt in (0.00125, 0.000625):
+        bodies = Flying(
+            [
+                ((3, 3), box((0.0, 0.0), (1.0, 1.0)), (0.5, 0.0)),
+                ((4, 4), box((1.02, 0.1), (2.02, 1.1)), (-0.5, 0.0)),
+            ],
+            "quadrilateral",
+        )
+        law = di.LinearElastic(1000.0, 0.3, density=1.0, hypothesis="plane_strain")
+        problem = di.NewmarkProblem(
+            fem.Function(bodies.V), law, velocity=bodies.velocity, contact=[di.GeneralContact(bodies.tags)]
+        )
+        problem.advance(until=0.03, dt=dt, progress=False)
+        assert problem.contact[0].num_active > 0 and problem.energy["contact"] > 0.0
+        problem.advance(until=0.1, dt=dt, progress=False)
+        assert problem.contact[0].num_active == 0
+        drifts.append(abs(problem.energy["drift"]))
+        back = COMM.allreduce(float(problem.velocity.x.array.reshape(-1, 2)[bodies.body == 0, 0].sum()), MPI.SUM)
+        assert back < 0.0
+    # The trapezoidal rule is of second order where contact does not change.
+    assert drifts[1] < 0.5 * drifts[0] < 0.01, drifts
 
 
 def check_named_pairs_are_left_to_others():
