@@ -62,6 +62,11 @@ class PenaltyForces:
     def map(self) -> dolfinx.cpp.common.IndexMap: ...
     @property
     def search(self) -> dolfinx_impact._cpp.search.PairSearch: ...
+    def share_of(self, q: int) -> float:
+        """
+        Part of the penalties that a point has, in general contact that of the softer body
+        """
+
     def energy(self) -> float:
         """Energy of the springs, this rank's part"""
 
@@ -281,6 +286,22 @@ class QuadraturePenalty(dolfinx_impact._cpp.enforcement.StaticContact):
         options: PenaltyOptions,
         bodies: Callable[[], petsc4py.PETSc.Mat],
     ) -> None: ...
+    @overload
+    def __init__(
+        self,
+        name: str,
+        V: dolfinx.cpp.fem.FunctionSpace_float64,
+        facets: dolfinx_impact._cpp.surface.Facets,
+        named: Sequence[tuple[dolfinx_impact._cpp.surface.Facets, dolfinx_impact._cpp.surface.Facets]],
+        options: PenaltyOptions,
+        bodies: Callable[[], petsc4py.PETSc.Mat],
+    ) -> None:
+        """General contact of a surface with itself"""
+
+    @property
+    def deepest(self) -> float:
+        """Deepest penetration of all ranks. Collective"""
+
     @property
     def penalty(self) -> float: ...
     @property
