@@ -97,9 +97,7 @@ def compare(report: Report, cell: str, hypothesis: str, degree: int, seed: int =
     histories = [side.no_history() for side in theirs]
     for history in histories:
         history.u = body.to_theirs(start.ravel())
-    results = [
-        side.penalty(body.to_theirs(u.ravel()), chi, chi, history) for side, history in zip(theirs, histories)
-    ]
+    results = [side.penalty(body.to_theirs(u.ravel()), chi, chi, history) for side, history in zip(theirs, histories)]
     gap, pressure, normal, status = (
         np.concatenate([getattr(r.points, name) for r in results])[place]
         for name in ("gap", "pressure", "normal", "status")

@@ -3,7 +3,7 @@
 
 from .mortar.lagrange import Lagrange
 from .mortar.tie import Tie
-from .explicit.general import GeneralContact
+from .general import GeneralContact
 from .explicit.nodal import Kinematic
 from .pair import ContactPair, ContactStatus
 from .penalty.penalty import Penalty

@@ -28,7 +28,7 @@ from ..common.messages import LOG
 from ..common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ..common.unique import claim
 from ..common.units import Units
-from ..contact.explicit.general import named_pairs
+from ..contact.general import named_pairs
 from ..forms.compiler.frontend import check_kinds
 from ..foundation import Foundation
 from ..io.mesh_check import check_cells
@@ -54,7 +54,8 @@ from .time_stepper import TimeStepper
 from .transient_problem import TransientProblem
 
 if TYPE_CHECKING:
-    from ..contact.explicit.general import GeneralContact, GeneralOutput
+    from ..contact.explicit.general import GeneralOutput
+    from ..contact.general import GeneralContact
     from ..contact.explicit.nodal import Kinematic, NodalPair
     from ..contact.explicit.tied import ExplicitTie
     from ..contact.mortar.tie import Tie

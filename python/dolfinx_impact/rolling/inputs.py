@@ -9,7 +9,7 @@ import numpy as np
 from dolfinx.mesh import Mesh
 
 from ..common import arguments
-from ..contact.explicit.general import GeneralContact
+from ..contact.general import GeneralContact
 from ..contact.mortar.lagrange import Lagrange
 from ..contact.mortar.tie import Tie
 from ..inelastic import InelasticMaterial
@@ -57,7 +57,8 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
             )
         if isinstance(c, GeneralContact):
             raise ValueError(
-                f"{c.pair.name} is a GeneralContact: in steady rolling it is known which surfaces touch; name them in pairs"
+                f"{c.pair.name} is a GeneralContact: in steady rolling it is known which surfaces touch, name them in "
+                "pairs"
             )
         c.pair.refuse_rigid_body("steady rolling")
         c.pair.refuse_angle("steady rolling does not turn a rigid master: give its surface a velocity")

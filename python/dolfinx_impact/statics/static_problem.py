@@ -35,7 +35,7 @@ from ..common.types import BoolArray, FilePath
 from ..common.units import Units
 from ..common.unique import claim
 from ..contact import in_cpp
-from ..contact.explicit.general import named_pairs
+from ..contact.general import named_pairs
 from ..contact.names import named_apart
 from ..contact.protocol import BodyTangent
 from ..loads import Load
@@ -46,6 +46,7 @@ from .load_step_recorder import LoadStepRecorder
 from .restart import Solves, StaticRestart
 
 if TYPE_CHECKING:
+    from ..contact.general import GeneralContact
     from ..contact.mortar.lagrange import Lagrange, LagrangeContact
     from ..contact.mortar.tie import Tie, TieContact
     from ..contact.penalty.penalty import Penalty
@@ -64,7 +65,7 @@ class StaticProblem(BodyResults):
         bcs: boundary condition, or a list of them.
         loads: load (dolfinx_impact.Traction, ...), or a list of them.
         contact: contact, or a list of them: dolfinx_impact.Lagrange(pair), dolfinx_impact.Penalty(pair),
-            dolfinx_impact.Tie(pair).
+            dolfinx_impact.Tie(pair), dolfinx_impact.GeneralContact(facet_tags).
         options: PETSc options for KSP and SNES by name, without prefix. Default: LU by MUMPS, for large problems
             conjugate gradients with algebraic multigrid, and the package's own Newton's method. Another snes_type
             (newtonls, newtontr, ...) works without contact and with Penalty; snes_rtol and snes_atol are those of
@@ -112,7 +113,7 @@ class StaticProblem(BodyResults):
         residual: ufl.Form | None = None,
         bcs: fem.DirichletBC | Sequence[fem.DirichletBC] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Lagrange | Penalty | Tie | Sequence[Lagrange | Penalty | Tie] = (),
+        contact: Lagrange | Penalty | Tie | GeneralContact | Sequence[Lagrange | Penalty | Tie | GeneralContact] = (),
         options: dict[str, Any] | None = None,
         prefix: str = "impact_static_",
         hypothesis: str | None = None,

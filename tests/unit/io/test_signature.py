@@ -343,7 +343,6 @@ def takes(integrator, kind, name):
     only = {
         di.Lagrange: IMPLICIT,
         di.Kinematic: EXPLICIT,
-        di.GeneralContact: EXPLICIT,
         EXPLICIT: EXPLICIT,
         IMPLICIT: IMPLICIT,
     }

@@ -474,7 +474,9 @@ void CrossedEdges::add_tangent(bool convex, operators::NodalMatrix& matrix) cons
     }
     // The weights are (1 - s, s, t - 1, -t).
     const auto d_weight = [&](int i, int j)
-    { return i == 0 ? -d_at[0][j] : i == 1 ? d_at[0][j] : i == 2 ? d_at[1][j] : -d_at[1][j]; };
+    {
+      return i == 0 ? -d_at[0][j] : i == 1 ? d_at[0][j] : i == 2 ? d_at[1][j] : -d_at[1][j];
+    };
     if (_friction > 0.0)
     {
       double increment[3], d_increment[36], d_t[36];

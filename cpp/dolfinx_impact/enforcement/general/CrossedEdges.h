@@ -21,23 +21,23 @@ struct CrossedPair
   // Fixed while the pair is a candidate.
   std::int32_t first, second; ///< edges; `first` has the smaller id
   std::int32_t owner;         ///< this rank's facet that has the history
-  bool goes_on[2][2];        ///< at the ends of both edges: does another sharp edge go on from there?
+  bool goes_on[2][2];         ///< at the ends of both edges: does another sharp edge go on from there?
   std::int32_t bodies[2];
   double area, height; ///< that the spring stands for, and of the lower cell behind both edges [L^2], [L]
   // Now.
   ContactStatus status = ContactStatus::open;
   std::int32_t nodes[4];
-  double weights[4]; ///< of the ends: positive ones of the first edge, negative ones of the second
-  double ends[4][3]; ///< positions of the nodes [L]
+  double weights[4];  ///< of the ends: positive ones of the first edge, negative ones of the second
+  double ends[4][3];  ///< positions of the nodes [L]
   double moved[4][3]; ///< displacements of the nodes since the increment began [L]
-  double gap;        ///< negative [L]
-  double gap_before; ///< when the increment began [L]
-  double normal[3];  ///< unit, out of the second edge's body
-  double force;      ///< along the normal, positive in compression [F]
+  double gap;         ///< negative [L]
+  double gap_before;  ///< when the increment began [L]
+  double normal[3];   ///< unit, out of the second edge's body
+  double force;       ///< along the normal, positive in compression [F]
   double tangential[3], slip[3], increment[3]; ///< [F], [L], motion of first against second since the start [L]
   double stiffness, tangential_stiffness;      ///< [F/L]
   double bears, d_bears[2]; ///< part of the spring's stiffness at this place, and its derivatives by the weights [1]
-  double part, slope; ///< of the motion that counts for friction, and its derivative with respect to the force
+  double part, slope;       ///< of the motion that counts for friction, and its derivative with respect to the force
   // Of the last converged state.
   double depth, last[3], last_slip[3]; ///< penetration, zero of one that was open [L]; tangential force [F], slip [L]
 };

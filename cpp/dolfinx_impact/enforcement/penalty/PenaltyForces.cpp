@@ -3,8 +3,8 @@
 #include "../../common/dolfinx_api.h"
 #include "../../operators/nodal_sums.h"
 #include "../../operators/petsc_check.h"
-#include <dolfinx/la/Vector.h>
 #include <algorithm>
+#include <dolfinx/la/Vector.h>
 #include <functional>
 #include <stdexcept>
 

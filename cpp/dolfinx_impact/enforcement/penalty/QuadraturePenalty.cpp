@@ -717,7 +717,7 @@ bool QuadraturePenalty::symmetric() const
   if (_options.law)
     return !_options.law->has_shear();
   const bool edges_slip = _forces.edges() && std::ranges::any_of(_forces.edges()->closed(), [](const CrossedPair& pair)
-                                                                { return pair.status == ContactStatus::slip; });
+                                                                 { return pair.status == ContactStatus::slip; });
   return sum_over_ranks(has_friction() && (edges_slip || std::ranges::count(now, ContactStatus::slip) > 0)) == 0.0;
 }
 
@@ -797,8 +797,8 @@ std::vector<double> QuadraturePenalty::rigid_body_products(const operators::Rigi
   const std::vector<double> closest = closest_points();
   std::vector<double> row(num, 0.0);
   // Two points that are held together along a direction, or along all of them.
-  const auto add = [&](std::int32_t own, const double* x, std::int32_t other, const double* y, const double* n,
-                       bool sticks)
+  const auto add =
+      [&](std::int32_t own, const double* x, std::int32_t other, const double* y, const double* n, bool sticks)
   {
     for (int k = 0; k < (sticks ? gdim : 1); ++k)
     {

@@ -115,7 +115,8 @@ public:
   bool meets_itself() const { return general(); }
   /// Deepest penetration of all ranks in the present state, zero without any [L]. Collective.
   double deepest() const;
-  /// Penalty in use; of general contact that between the stiffest bodies; 0 before the first increment with an automatic one [F/L^3].
+  /// Penalty in use; of general contact that between the stiffest bodies; 0 before the first increment with an
+  /// automatic one [F/L^3].
   double penalty() const { return _penalty; }
   /// Tangential penalty in use; 0 before the first increment [F/L^3].
   double tangential() const { return _tangential; }

@@ -41,8 +41,8 @@ std::vector<double> nodal_stiffness(Mat K, const surface::FunctionSpace& V, int 
   return operators::from_owners(map, std::move(out), 1);
 }
 
-/// Largest mean stiffness of a facet's nodes per area of the facet, times the surface's nodes per facet, of each part of
-/// a surface; infinite for parts without facets [F/L^3]. Collective.
+/// Largest mean stiffness of a facet's nodes per area of the facet, times the surface's nodes per facet, of each part
+/// of a surface; infinite for parts without facets [F/L^3]. Collective.
 /// @param[in] part of each facet, below num_parts
 std::vector<double> per_area(const surface::FunctionSpace& V, const std::vector<double>& stiffness,
                              const surface::Facets& facets, std::span<const std::int32_t> part, int num_parts,

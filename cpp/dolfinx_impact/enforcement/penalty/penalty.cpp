@@ -209,9 +209,9 @@ void check(const PenaltyPair& pair)
 PenaltyHistory make_history(const gap::Points& points)
 {
   const std::size_t num = points.size() * points.gdim;
-  return {std::vector<double>(points.size(), 0.0), std::vector<double>(num, 0.0), std::vector<double>(num, 0.0),
-          std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0),
-          std::vector<double>(points.size(), 0.0)};
+  return {std::vector<double>(points.size(), 0.0), std::vector<double>(num, 0.0),
+          std::vector<double>(num, 0.0),           std::vector<double>(points.size(), 0.0),
+          std::vector<double>(points.size(), 0.0), std::vector<double>(points.size(), 0.0)};
 }
 
 PenaltyState stretched(const PenaltyPair& pair, const PenaltyState& state)

@@ -95,8 +95,7 @@ GeneralSearch::FacetValues GeneralSearch::values_of(const surface::Facets& facet
       group &= std::int64_t(values[group_entry]);
       height = std::min(height, values[height_entry]);
     }
-    out.body.push_back(
-        std::int32_t(at_nodes[std::size_t(facets.nodes_of(f)[0]) * num_entries + body_entry]));
+    out.body.push_back(std::int32_t(at_nodes[std::size_t(facets.nodes_of(f)[0]) * num_entries + body_entry]));
     out.height.push_back(height);
     out.group.push_back(group);
   }
@@ -132,8 +131,8 @@ void GeneralSearch::update(PairSearch& pair, std::span<const double> start)
     std::copy_n(centre.normal, _gdim, _master.normal.data() + f * _gdim);
     double least = 1.0; // cosine of the angle by which the facet's normals turn, seen from the centre
     for (int i = 0; i < m.geometry.num_nodes(); ++i)
-      least = std::min(
-          least, dot(surface::evaluate(m, f, m.x_of(f), m.geometry.node(i).data()).normal, centre.normal, _gdim));
+      least = std::min(least,
+                       dot(surface::evaluate(m, f, m.x_of(f), m.geometry.node(i).data()).normal, centre.normal, _gdim));
     const double turn = std::acos(std::clamp(least, -1.0, 1.0)) + 1e-6;
     _master.facing[f] = std::cos(std::max(0.0, std::acos(facing) - turn));
   }
@@ -175,9 +174,9 @@ bool GeneralSearch::may_meet(std::int32_t own, std::int32_t other, const double*
 bool GeneralSearch::came_through(const SearchingPoint& point, std::int32_t facet) const
 {
   const surface::Facets& m = _master_start;
-  const surface::FacetPoint own = surface::evaluate(_slave_start, point.facet, _slave_start.x_of(point.facet), point.xi);
-  const FacetProjection at =
-      project_on_facet(m.geometry, _gdim, m.x_of(facet), own.x, _now->starts(facet, own.x));
+  const surface::FacetPoint own =
+      surface::evaluate(_slave_start, point.facet, _slave_start.x_of(point.facet), point.xi);
+  const FacetProjection at = project_on_facet(m.geometry, _gdim, m.x_of(facet), own.x, _now->starts(facet, own.x));
   const surface::FacetPoint there = surface::evaluate(m, facet, m.x_of(facet), at.xi);
   double along = 0.0;
   for (int c = 0; c < _gdim; ++c)
@@ -278,8 +277,7 @@ double GeneralSearch::overlap(const SearchingPoint& point, double reach) const
   return out;
 }
 
-Projection GeneralSearch::project(const SearchingPoint& point, double reach, std::int32_t previous,
-                                  double margin) const
+Projection GeneralSearch::project(const SearchingPoint& point, double reach, std::int32_t previous, double margin) const
 {
   const surface::Facets& m = _now->master();
   Projection out;

@@ -24,8 +24,8 @@ struct SearchingPoint
 /// Facets count that face the point's own one, share no node with it, and are not the far side of a body: a point is
 /// behind a facet only if it was in front of it when the increment began, or behind by no more than the penetration
 /// that it had and a twentieth of the cell's height. What a point is behind counts before what it is in front of, then
-/// the nearest. A point over an edge or corner is behind it if it is behind all facets that meet there; and it is over it
-/// only if it is closer to none of them.
+/// the nearest. A point over an edge or corner is behind it if it is behind all facets that meet there; and it is over
+/// it only if it is closer to none of them.
 class GeneralSearch
 {
 public:

@@ -1,153 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""Contact that finds itself: all outer facets against each other, no pairs named; docs/explicit/general_contact.md."""
+"""Contact that finds itself in explicit problems; docs/explicit/general_contact.md."""
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from dolfinx import mesh as dmesh
-from dolfinx.fem import FunctionSpace
-from dolfinx.mesh import MeshTags
 from mpi4py import MPI
 
 from ... import _cpp
 from ...amplitude import Amplitude
-from ...common.arguments import number
-from ...common.collective import comm_of, guard
-from ...common.fixed import Fixed
 from ...common.types import FloatArray, IntArray
-from ...loads import _tag, check_tag, facet_tags_of
-from ..nodal_sum import NodalSum
-from ..pair import ContactPair, _boundary, _guarded, _surface
-from ..penalty.static_general import StaticGeneral
-from ..protocol import ExplicitContactProblem, StaticContactProblem
+from ..general_surface import GeneralSurface
+from ..protocol import ExplicitContactProblem
 from .nodal_output import NodalOutput
 
-AXIS = 1e-12  # part of the largest radius within which a facet is on the axis
 RESULTS = ("normal", "gap", "pressure", "traction", "slip", "status")  # arrays by node
-
-
-class GeneralSurface(Fixed):
-    """Facets of the boundary that may touch each other.
-
-    Args:
-        facet_tags: tags of facets.
-        tags: tags of the facets that belong to the surface; None: all facets of the boundary, tagged or not.
-        friction: coefficient of friction [1].
-        name: name for messages and files.
-    """
-
-    rigid, rigid_body = False, None
-
-    def __init__(self, facet_tags: MeshTags, tags: tuple[int, ...] | None, friction: float, name: str) -> None:
-        self.facet_tags, self.tags, self.friction, self.name = facet_tags, tags, friction, name
-
-    def __repr__(self) -> str:
-        which = "all outer facets" if self.tags is None else f"tags {list(self.tags)}"
-        return f"GeneralSurface({self.name!r}: {which}, friction {self.friction})"
-
-    def facets(self, V: FunctionSpace, axisymmetric: bool = False) -> _cpp.surface.Facets:
-        """Find this rank's facets. Collective.
-
-        Args:
-            V: displacement space.
-            axisymmetric: whether x is the radius: facets on the axis are none of the surface.
-
-        Returns:
-            The facets.
-
-        Raises:
-            ValueError: a tag without facets, or facets inside the body; on all ranks.
-        """
-        mesh = V.mesh
-        tdim = mesh.topology.dim
-        for tag in self.tags or ():
-            check_tag(self.facet_tags, tag, mesh, self.name)
-        mesh.topology.create_connectivity(tdim - 1, tdim)
-        mesh.topology.create_connectivity(tdim, tdim - 1)
-        exterior = dmesh.exterior_facet_indices(mesh.topology)
-        if self.tags is None:
-            chosen = exterior
-        else:
-            tagged = self.facet_tags.indices[np.isin(self.facet_tags.values, self.tags)]
-            inside = mesh.comm.allreduce(len(np.setdiff1d(tagged, _boundary(mesh, exterior))), MPI.SUM)
-            if inside:
-                raise ValueError(f"{self.name}: {inside} facets with the tags {list(self.tags)} lie inside the body")
-            chosen = np.intersect1d(tagged, exterior)
-        if axisymmetric:
-            reach = max(float(np.abs(mesh.geometry.x[:, 0]).max(initial=0.0)), 1e-300)
-            on_axis = dmesh.locate_entities_boundary(mesh, tdim - 1, lambda x: np.abs(x[0]) <= AXIS * reach)
-            chosen = np.setdiff1d(chosen, on_axis)
-        return _guarded(mesh.comm, functools.partial(_surface, V, chosen))
-
-
-class GeneralContact(Fixed):
-    """Contact of all outer facets with each other in an explicit problem, by penalty; docs/explicit/general_contact.md.
-
-    Neither side is slave or master, a body may touch itself, and edges touch edges in 3D. What pairs of the same
-    problem enforce between their surfaces is left to them. Displacements of degree 1 on straight facets.
-
-    Args:
-        facet_tags: tags of facets.
-        tags: tags of the facets that may touch; None: all facets of the boundary, tagged or not.
-        friction: coefficient of friction, zero or more [1].
-        name: name for messages and files.
-
-    Raises:
-        TypeError: `facet_tags` are no tags of facets, or a tag is no integer; on all ranks.
-        ValueError: no tags in `tags`, a tag twice, or a friction that is negative or not finite; on all ranks. The tags
-            are compared with the mesh when a problem is made.
-    """
-
-    def __init__(
-        self,
-        facet_tags: MeshTags,
-        tags: Sequence[int] | int | None = None,
-        friction: float = 0.0,
-        name: str = "general contact",
-    ) -> None:
-        with guard(comm_of(facet_tags), "GeneralContact", tags=tags, friction=friction, name=name):
-            facet_tags_of("GeneralContact", facet_tags)
-            chosen = None
-            if tags is not None:
-                given = list(tags) if isinstance(tags, (list, tuple, set, np.ndarray)) else [tags]
-                chosen = tuple(_tag(tag) for tag in given)
-                if not chosen:
-                    raise ValueError("tags is empty: name the tags of facets that may touch, or give None for all")
-                if len(set(chosen)) < len(chosen):
-                    raise ValueError(f"tags has a tag twice: {list(chosen)}")
-            coefficient = number("friction", friction)
-            if coefficient < 0.0:
-                raise ValueError(f"friction is {coefficient}: a coefficient of friction is zero or positive")
-            self.pair = GeneralSurface(facet_tags, chosen, coefficient, name)
-
-    def __repr__(self) -> str:
-        which = "all outer facets" if self.pair.tags is None else f"tags {list(self.pair.tags)}"
-        return f"GeneralContact({self.pair.name!r}: {which}, friction {self.pair.friction})"
-
-    def _bind(self, problem: StaticContactProblem) -> StaticGeneral:
-        return StaticGeneral(self.pair, problem)
-
-    def _bind_explicit(self, problem: ExplicitContactProblem) -> GeneralOutput:
-        return GeneralOutput(self.pair, problem)
-
-
-def named_pairs(contacts: Sequence[Any]) -> list[ContactPair]:
-    """Pairs of surfaces that a general contact of the same problem leaves alone.
-
-    Args:
-        contacts: contacts that a problem was given.
-
-    Raises:
-        ValueError: several contacts are general.
-    """
-    if sum(isinstance(c, GeneralContact) for c in contacts) > 1:
-        raise ValueError("contact has several GeneralContact: give the tags of all surfaces that may touch to one")
-    pairs = [getattr(c, "pair", None) for c in contacts]
-    return [pair for pair in pairs if isinstance(pair, ContactPair) and not pair.rigid]
 
 
 class GeneralOutput(NodalOutput):
@@ -251,16 +119,7 @@ class GeneralOutput(NodalOutput):
         Raises:
             ValueError: no facet of the boundary has the tag; on all ranks.
         """
-        with guard(self.comm, "force_on", tag=tag):
-            which = _tag(tag)
-        mesh = self.V.mesh
-        check_tag(self.pair.facet_tags, which, mesh, self.pair.name)
-        chosen = np.intersect1d(self.pair.facet_tags.find(which), dmesh.exterior_facet_indices(mesh.topology))
-        made = _guarded(self.comm, functools.partial(_surface, self.V, chosen))
-        index_map = self.V.dofmap.index_map
-        marks = np.zeros((index_map.size_local + index_map.num_ghosts, 1))
-        marks[made.nodes] = 1.0
-        mask = NodalSum(index_map, 1)(marks)[:, 0] > 0.0
+        mask = self.pair.nodes_with(tag, self.V)
         forces = (self.traction * self.weight[:, None])[mask[self.nodes]]
         return np.asarray(self.comm.allreduce(forces.sum(axis=0), MPI.SUM))
 

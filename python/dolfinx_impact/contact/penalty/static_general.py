@@ -3,24 +3,16 @@
 
 from __future__ import annotations
 
-import functools
 import weakref
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from dolfinx import mesh as dmesh
 
 from ... import _cpp
-from ...common.collective import guard
 from ...common.types import FloatArray
-from ...loads import _tag, check_tag
-from ..nodal_sum import NodalSum
-from ..pair import _guarded, _surface
+from ..general_surface import GeneralSurface
 from ..protocol import StaticContactProblem
 from .quadrature_penalty import QuadraturePenalty
-
-if TYPE_CHECKING:
-    from ..explicit.general import GeneralSurface
 
 
 class StaticGeneral(QuadraturePenalty):
@@ -91,15 +83,6 @@ class StaticGeneral(QuadraturePenalty):
         Raises:
             ValueError: no facet of the boundary has the tag; on all ranks.
         """
-        with guard(self.comm, "force_on", tag=tag):
-            which = _tag(tag)
-        mesh = self.V.mesh
-        check_tag(self.pair.facet_tags, which, mesh, self.pair.name)
-        chosen = np.intersect1d(self.pair.facet_tags.find(which), dmesh.exterior_facet_indices(mesh.topology))
-        made = _guarded(self.comm, functools.partial(_surface, self.V, chosen))
-        index_map = self.V.dofmap.index_map
-        marks = np.zeros((index_map.size_local + index_map.num_ghosts, 1))
-        marks[made.nodes] = 1.0
-        mask = NodalSum(index_map, 1)(marks)[: index_map.size_local, 0] > 0.0
+        mask = self.pair.nodes_with(tag, self.V)[: self.V.dofmap.index_map.size_local]
         forces = np.asarray(self._cpp_object.contact_forces()).reshape(-1, self.gdim)[mask]
         return np.asarray(self.comm.allreduce(forces.sum(axis=0)))

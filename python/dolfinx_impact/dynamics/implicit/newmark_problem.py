@@ -31,7 +31,7 @@ from ...common.collective import agree, attempt, comm_of, guard
 from ...common.types import ArrayLike, BoolArray, FilePath, FloatArray
 from ...common.units import Units
 from ...common.unique import claim
-from ...contact.explicit.general import GeneralContact, named_pairs
+from ...contact.general import GeneralContact, named_pairs
 from ...contact.mortar.tie import Tie, TieContact
 from ...io.mesh_check import check_cells
 from ...added_mass import added_masses
@@ -156,7 +156,7 @@ class NewmarkProblem(TransientProblem):
         velocity: fem.Function | None = None,
         bcs: fem.DirichletBC | PrescribedMotion | Sequence[fem.DirichletBC | PrescribedMotion] = (),
         loads: Load | Sequence[Load] = (),
-        contact: Lagrange | Penalty | Tie | Sequence[Lagrange | Penalty | Tie] = (),
+        contact: Lagrange | Penalty | Tie | GeneralContact | Sequence[Lagrange | Penalty | Tie | GeneralContact] = (),
         beta: float | None = None,
         gamma: float | None = None,
         rho_inf: float | None = None,

@@ -11,7 +11,8 @@ from mpi4py import MPI
 from on_ranks import rank_tests
 
 import dolfinx_impact as di
-from dolfinx_impact.contact.explicit.general import GeneralOutput, GeneralSurface
+from dolfinx_impact.contact.explicit.general import GeneralOutput
+from dolfinx_impact.contact.general_surface import GeneralSurface
 
 test_one_rank, test_several_ranks = rank_tests(general_contact_checks)
 SPACE = ("hexahedron", "tetrahedron")

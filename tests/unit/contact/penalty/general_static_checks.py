@@ -11,6 +11,7 @@ from flying_bodies import Flying, box, rotation
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact.contact.penalty.static_general import StaticGeneral
 
 COMM = MPI.COMM_WORLD
 PRISM = ((2, 2, 6), ((-0.2, -0.2, -0.6), (0.2, 0.2, 0.6)))
@@ -148,8 +149,10 @@ def check_boxes_carry_the_load():
             same.solve(progress=False)
             # The pressure over half of the penalty, twice: once for each way.
             give = 20.0 / contact.penalty
-            lowest = [float(COMM.allreduce((b.u.x.array.reshape(-1, dim) @ b.axes[-1]).min(), MPI.MIN)) for b in
-                      (boxes, exact)]
+            lowest = [
+                float(COMM.allreduce((b.u.x.array.reshape(-1, dim) @ b.axes[-1]).min(), MPI.MIN))
+                for b in (boxes, exact)
+            ]
             assert abs(lowest[0] - lowest[1]) < 3.0 * give + 0.01 * abs(lowest[1])
 
 
@@ -251,6 +254,7 @@ def check_named_pairs_are_left_to_others():
     )
     problem.solve(progress=False)
     general, pair = problem.contact
+    assert isinstance(general, StaticGeneral) and general.kind == "general contact at quadrature points"
     assert general.num_active == 0 and pair.num_active > 0
     np.testing.assert_allclose((pair.force @ boxes.axes.T)[1], 12.0, rtol=1e-4)
 
@@ -283,7 +287,12 @@ def check_refusals():
     _refused("overlap", lambda: di.StaticProblem(boxes.u, boxes.law, contact=[di.GeneralContact(tags)]))
     boxes, problem = pressed_boxes(2, 1, "quadrilateral", lambda t: [di.GeneralContact(t)])
     tags = problem.contact[0].pair.facet_tags
-    _refused("several GeneralContact", lambda: di.StaticProblem(
-        fem.Function(boxes.V), boxes.law, contact=[di.GeneralContact(tags), di.GeneralContact(tags, name="other")]))
-    _refused("handed over", lambda: di.ExplicitProblem.from_static(
-        problem, contact=[di.Penalty(di.ContactPair(tags, 1, 2))]))
+    _refused(
+        "several GeneralContact",
+        lambda: di.StaticProblem(
+            fem.Function(boxes.V), boxes.law, contact=[di.GeneralContact(tags), di.GeneralContact(tags, name="other")]
+        ),
+    )
+    _refused(
+        "handed over", lambda: di.ExplicitProblem.from_static(problem, contact=[di.Penalty(di.ContactPair(tags, 1, 2))])
+    )
