@@ -278,15 +278,15 @@ void dolfinx_impact::bindings::nodal(nb::module_& m)
       .def(
           "__init__",
           [](GeneralContact* self, const FunctionSpace& V, const Facets& facets, double friction,
-             const std::vector<std::pair<Facets, Facets>>& named)
+             const std::vector<std::pair<Facets, Facets>>& named, bool axisymmetric)
           {
             std::vector<NamedPair> pairs;
             for (const auto& [slave, master] : named)
               pairs.push_back({slave, master});
-            new (self) GeneralContact(V, facets, {friction}, pairs);
+            new (self) GeneralContact(V, facets, {friction, axisymmetric}, pairs);
           },
           nb::arg("V"), nb::arg("facets"), nb::arg("friction") = 0.0,
-          nb::arg("named") = std::vector<std::pair<Facets, Facets>>(),
+          nb::arg("named") = std::vector<std::pair<Facets, Facets>>(), nb::arg("axisymmetric") = false,
           "named: pairs of surfaces that other contacts push apart. Collective")
       .def_prop_ro(
           "nodes",

@@ -12,7 +12,7 @@ public:
   /// @param outside all outer facets, of degree 1
   /// @param stiffness of the surface's nodes (nodal_stiffness) [F/L]
   /// @param mass lumped (num_dofs) [M]
-  /// @throws std::invalid_argument for facets of degree 2 and bodies of revolution
+  /// @throws std::invalid_argument for facets of degree 2
   GeneralContact(const Model& model, Surface outside, NodalStiffness stiffness, const Vector& mass, double friction);
 
   void before(const ContactStep& step) override;
@@ -42,6 +42,7 @@ private:
     std::vector<Share> shares;
     std::vector<std::int64_t> turning; // nodes that take the moment
     double stiffness = 0;              // [F/L]
+    bool follows = false;              // another pair bore the force before
   };
   struct Closest
   {
@@ -55,6 +56,7 @@ private:
   {
     std::int64_t nodes[2];
     int facets[2], sides[2];
+    int goes_on[2] = {-1, -1}; // as which edge, at each end
   };
   struct Crossing
   {
@@ -62,6 +64,18 @@ private:
     double at[2] = {0, 0}, gap = 0;
     Vec<double> n, points[2];
   };
+  // A facet that a node may touch, as far as it ends there or beyond its end.
+  struct Candidate
+  {
+    int facet = -1, slot = -1;
+    bool beyond = false, inside = false;
+    double gap = 0, height = 0;  // [L]
+    Vec<double> n, facet_n;      // direction of a force; of the facet where it is closest
+    Vec<double> second, excess;  // the other point; of it from the closest point of the facet [L]
+    std::vector<double> weights; // of the corners
+  };
+  static constexpr int springs_per_node = 3;
+  using NodeSprings = std::array<Spring, springs_per_node>;
   using Corners = std::vector<Vec<double>>;
 
   Vec<double> at(const Vector& field, std::int64_t node) const;
@@ -72,8 +86,18 @@ private:
   bool faces(std::int64_t node, const Vec<double>& n, const Vector& u) const;
   bool far_side(std::int64_t node, int facet) const;
   double compliance(std::int64_t node, double dt) const;
-  Meeting meet(std::int64_t node, const Spring& spring, const ContactStep& step) const;
-  Crossing cross_edges(const Edge& a, const Edge& b, const Vector& u) const;
+  std::vector<Candidate> candidates(std::int64_t node, const ContactStep& step) const;
+  void go_on(Candidate& c, const Closest& found, const Vec<double>& x, const Vector& u) const;
+  bool may_begin(const Candidate& c, std::int64_t node, const ContactStep& step) const;
+  bool in_corner(const Candidate& a, const Candidate& b, const Vec<double>& x, const Vector& u) const;
+  bool pick(int slot, bool beyond, std::int64_t node, const NodeSprings& springs, const std::vector<Candidate>& all,
+            const ContactStep& step, std::vector<Candidate>& chosen) const;
+  std::vector<Candidate> choose(std::int64_t node, const NodeSprings& springs, const ContactStep& step) const;
+  Meeting meet(std::int64_t node, const Candidate& c, const ContactStep& step) const;
+  void advance(std::int64_t node, std::int64_t place, const ContactStep& step);
+  Crossing cross_edges(const Edge& a, const Edge& b, const Vector& u, bool lines = false) const;
+  Crossing cross_beyond(const Edge& a, const Edge& b, const Vector& u) const;
+  std::vector<std::pair<const Edge*, const Edge*>> beside(const Edge& a, const Edge& b, const Crossing& now) const;
   Meeting meet(const Edge& a, const Edge& b, const Spring& spring, const ContactStep& step) const;
   ContactStatus advance(Spring& spring, const Meeting& m, const ContactStep& step);
   void clear();
@@ -91,7 +115,7 @@ private:
   std::map<std::int64_t, std::vector<int>> facets_; // at a node
   std::map<std::int64_t, Vec<double>> rest_;        // position of a node [L]
   std::vector<Edge> edges_;
-  std::map<std::int64_t, Spring> springs_;
+  std::map<std::int64_t, NodeSprings> springs_;
   std::map<std::pair<std::size_t, std::size_t>, Spring> edge_springs_;
 };
 } // namespace impact_reference

@@ -60,10 +60,21 @@ def rule(shape: str, degree: int) -> tuple[FloatArray, FloatArray]:
     return 2 * points - 1, 2 ** points.shape[1] * weights
 
 
-def _box(
-    cell: str, low: FloatArray, high: FloatArray, n: Sequence[int], geometry_degree: int
+def grid_of_box(
+    cell: str, low: FloatArray, high: FloatArray, n: Sequence[int], geometry_degree: int = 1
 ) -> tuple[FloatArray, IntArray]:
-    """Points and cells of a box with straight edges."""
+    """Points and cells of a box with straight edges.
+
+    Args:
+        cell: cell of the grid.
+        low: least coordinates, shape (gdim) [L].
+        high: largest coordinates, shape (gdim) [L].
+        n: number of cells along each axis.
+        geometry_degree: degree of the geometry, 1 or 2.
+
+    Returns:
+        Points, shape (num_points, gdim) [L], and their numbers in each cell.
+    """
     kind = getattr(mesh.CellType, cell)
     create = mesh.create_rectangle if len(n) == 2 else mesh.create_box
     domain = create(MPI.COMM_SELF, [low, high], list(n), kind)
@@ -97,8 +108,8 @@ def two_bodies(
     corner, sides = np.array(start[: dim - 1]), np.array(length[: dim - 1])
     low = np.append(corner, 1.0 + BETWEEN)
     parts = [
-        _box(cell, np.zeros(dim), np.ones(dim), lower, geometry_degree),
-        _box(cell, low, low + np.append(sides, 0.5), upper, geometry_degree),
+        grid_of_box(cell, np.zeros(dim), np.ones(dim), lower, geometry_degree),
+        grid_of_box(cell, low, low + np.append(sides, 0.5), upper, geometry_degree),
     ]
     split = len(parts[0][0])
     points = np.vstack([p for p, _ in parts])

@@ -40,7 +40,7 @@ def compare(report: Report, case: Scenario) -> None:
     problem = our_adapter.problem_of(case)
     dt = our_adapter.time_step(case, problem)
     ours: Any = problem.contact[0]
-    crossed = "prisms" in case.name
+    crossed = "prism" in case.name
     steps, last = 0, MOST_STEPS
     while steps < last:
         steps += 1

@@ -23,7 +23,7 @@ from dolfinx_impact.materials import _Material
 from dolfinx_impact.rolling.motions import Spin, Translation
 from dolfinx_impact.rolling.rolling_problem import RollingProblem
 from . import operator
-from .contact_bodies import MASTER, SLAVE, ObstaclePair, TwoBodies, _box, rule
+from .contact_bodies import MASTER, SLAVE, ObstaclePair, TwoBodies, grid_of_box, rule
 from .nodes import TheirRule
 
 WHEEL, RAIL = 1, 2
@@ -38,7 +38,7 @@ def _disc(cell: str, n: int, layers: int) -> tuple[FloatArray, IntArray]:
     become circles."""
     counts = (n, layers, n) if layers else (n, n)
     low, high = (np.array([-1.0, 0.0, -1.0]), np.array([1.0, 0.4, 1.0])) if layers else (-np.ones(2), np.ones(2))
-    points, cells = _box(cell, low, high, counts, 1)
+    points, cells = grid_of_box(cell, low, high, counts, 1)
     x = points[:, [0, -1]]
     longest, length = np.abs(x).max(axis=1), np.linalg.norm(x, axis=1)
     x = x * np.divide(longest, length, out=np.ones_like(length), where=length > 0)[:, None]
@@ -66,7 +66,7 @@ def wheel(cell: str, n: int, layers: int = 0, rail: Sequence[int] = ()) -> tuple
     if rail:
         low, high = np.array([-0.83, -0.2, -1.7]), np.array([0.8, 0.7, -1.001])
         keep = [0, 2] if dim == 2 else [0, 1, 2]
-        under, more = _box(cell, low[keep], high[keep], rail, 1)
+        under, more = grid_of_box(cell, low[keep], high[keep], rail, 1)
         points, cells = np.vstack([points, under]), np.vstack([cells, more + len(points)])
     element = basix.ufl.element("Lagrange", cell, 1, shape=(dim,))
     domain = mesh.create_mesh(MPI.COMM_SELF, np.asarray(cells, dtype=np.int64), x=points, e=ufl.Mesh(element))

@@ -30,7 +30,17 @@ def failed(cell, name):
     return {r.form.removeprefix("contact.general_") for r in report.failures()}
 
 
-@pytest.mark.parametrize("cell,name", (("triangle", "strip"), ("quadrilateral", "block"), ("hexahedron", "crossed")))
+@pytest.mark.parametrize(
+    "cell,name",
+    (
+        ("triangle", "strip"),
+        ("quadrilateral", "block on"),
+        ("hexahedron", "crossed"),
+        ("hexahedron", "sliding prism"),
+        ("quadrilateral", "block in a notch"),
+        ("tetrahedron", "block in a notch"),
+    ),
+)
 def test_both_sides_agree(cell, name):
     report = rows(cell, name)
     assert_healthy(report, "contact", 4)
@@ -68,6 +78,23 @@ def test_a_facet_that_is_left_out(monkeypatch):
     report = Report()
     general.compare(report, case)
     assert {r.form for r in report.failures()} >= {"contact.general_force", "contact.general_gap"}
+
+
+def test_an_end_that_is_left_out(monkeypatch):
+    """Of a notch between two bodies, the lowest facet of one: nodes in it have one spring less."""
+    right = impact_reference.GeneralContact.__init__
+
+    def wrong(self, facets, friction=0.0):
+        right(self, facets, friction)
+        x = case.body.points[self.facets].mean(axis=1)
+        which = np.where((x[:, 0] < 0.0) & (x[:, 1] > 0.0), np.linalg.norm(x, axis=1), np.inf)
+        self.facets = np.delete(self.facets, np.argmin(which), axis=0)
+
+    case = case_of("triangle", "block in a notch")
+    monkeypatch.setattr(impact_reference.GeneralContact, "__init__", wrong)
+    report = Report()
+    general.compare(report, case)
+    assert {r.form for r in report.failures()} >= {"contact.general_force"}
 
 
 def test_histories_with_another_friction():

@@ -37,6 +37,8 @@ struct ReadOptions
   std::vector<std::string> equal = {};
   /// Names, up to digits at their ends, of tables that may have infinite values.
   std::vector<std::string> infinite = {};
+  /// Names, up to digits at their ends, of tables at some nodes that files of earlier versions lack: zeros are read.
+  std::vector<std::string> later = {"other_spring"};
 };
 
 /// Contents of a file.

@@ -306,6 +306,14 @@ private:
     return name.substr(0, name.find_last_not_of("0123456789") + 1);
   }
 
+  /// Is this a table at some nodes that files of earlier versions lack, and this one, too?
+  bool lacks(const Block& block) const
+  {
+    return block.place() == Place::node && block.numbers() &&
+           std::ranges::count(_options.later, without_digits(block.name())) > 0 &&
+           !_structure.tables.contains(values_table(block));
+  }
+
   void read_block(const Block& block)
   {
     if (block.place() == Place::all)
@@ -313,6 +321,8 @@ private:
     const std::string name = values_table(block);
     const bool infinite = std::ranges::count(_options.infinite, without_digits(block.name())) > 0;
     const std::size_t columns = block.width();
+    if (lacks(block))
+      return;
     if (block.numbers())
       _some.emplace(name, read_some(block, infinite));
     else if (block.place() == Place::node)
@@ -422,6 +432,8 @@ private:
   {
     if (block.place() == Place::all)
       return {}; // see assign
+    if (lacks(block))
+      return std::vector<double>(block.numbers()->size() * block.width(), 0.0);
     return block.numbers() ? rows_of(block) : _own.at(values_table(block));
   }
 

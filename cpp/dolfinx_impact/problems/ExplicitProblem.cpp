@@ -188,8 +188,8 @@ std::vector<ContactInTime> with_stiffness(std::vector<ContactInTime> contacts, c
     const auto& directions = c.contact.directions();
     if (auto* general = dynamic_cast<enforcement::GeneralContact*>(directions.front().get());
         general && general->lacks_compliances())
-      general->set_nodal_compliances(
-          enforcement::nodal_compliances(*u.function_space(), general->facets(), moduli, frequency_stiffness));
+      general->set_nodal_compliances(enforcement::nodal_compliances(
+          *u.function_space(), general->facets(), moduli, frequency_stiffness, general->options().axisymmetric));
     const auto* first = dynamic_cast<const enforcement::NodePenalty*>(directions.front().get());
     if (!first || !first->lacks_compliances())
       continue;

@@ -40,6 +40,7 @@ class GeneralContact(NodalContact):
         facets: dolfinx_impact._cpp.surface.Facets,
         friction: float = 0.0,
         named: Sequence[tuple[dolfinx_impact._cpp.surface.Facets, dolfinx_impact._cpp.surface.Facets]] = [],
+        axisymmetric: bool = False,
     ) -> None:
         """named: pairs of surfaces that other contacts push apart. Collective"""
 

@@ -67,6 +67,26 @@ def test_a_state_comes_back_bit_for_bit(V, rng, tmp_path):
         np.testing.assert_array_equal(file["ranks/inner3"], [[*state.part("inner3").array("work"), 3.0]])
 
 
+def test_tables_that_earlier_versions_did_not_write(V, rng, tmp_path):
+    """Springs that a node did not have are read as zeros; other tables that lack are errors."""
+
+    def with_part(name):
+        out, part = tree(rng), State(name)
+        part.at(Place.node, np.array([1, 4]))
+        part.add("spring_force", Place.node, rng.normal(size=2))
+        out.add(part)
+        return out
+
+    path = tmp_path / "a.h5"
+    state = tree(rng)
+    write(path, V, state)
+    found = read(path, V, with_part("other_spring2"))[0]
+    assert not np.any(found.part("other_spring2").array("spring_force"))
+    np.testing.assert_array_equal(found.array("u"), state.array("u"))
+    with pytest.raises(RuntimeError, match="some/spring/nodes is missing"):
+        read(path, V, with_part("spring"))
+
+
 @pytest.mark.parametrize("value", (np.nan, np.inf))
 def test_values_that_are_no_numbers(V, value, tmp_path):
     """Infinite ones are numbers where it is said."""

@@ -3,6 +3,7 @@
 #include "../../search/general/FacetLoops.h"
 #include "../../search/general/NamedPair.h"
 #include "../../search/general/closest_on_loop.h"
+#include "../../search/general/crossed_edges.h"
 #include "../ContactStatus.h"
 #include "../node_to_surface/NodalContact.h"
 #include "../node_to_surface/NodeCandidates.h"
@@ -17,7 +18,8 @@ namespace dolfinx_impact::enforcement
 {
 struct GeneralContactOptions
 {
-  double friction = 0.0; ///< coefficient [1]
+  double friction = 0.0;     ///< coefficient [1]
+  bool axisymmetric = false; ///< areas are multiplied by 2 pi R; facets on the axis are none of the surface
 };
 
 using search::NamedPair;
@@ -25,14 +27,14 @@ using search::NamedPair;
 /// Results of the last step at the surface nodes that this rank owns. Vectors: [i*gdim + c].
 struct GeneralResults
 {
-  std::vector<ContactStatus> status; ///< of the node's own spring
-  std::vector<double> gap;           ///< of the node's own spring; infinite while it is open [L]
-  std::vector<double> slip;          ///< accumulated since the node's own spring closed [L]
+  std::vector<ContactStatus> status; ///< of the node's own spring; of several, that with the largest force
+  std::vector<double> gap;           ///< of this spring; infinite while it is open [L]
+  std::vector<double> slip;          ///< accumulated since this spring closed [L]
 };
 
 /// Explicit contact of all facets of a surface with each other, by penalty; docs/explicit/general_contact.md. No side
-/// is a master: each surface node has a spring to the facet that it has come through, and each two sharp edges that
-/// have crossed have one between the points where they cross.
+/// is a master: each surface node has a spring to the facet that it has come through, in a corner up to three, and each
+/// two sharp edges that have crossed have one between the points where they cross.
 class GeneralContact : public NodalContact, public SpringForces
 {
 public:
@@ -64,6 +66,7 @@ public:
   void resume(const state::State& saved) override;
   void reset() override;
 
+  const GeneralContactOptions& options() const { return _options; }
   const NodeCandidates& candidates() const { return _candidates; }
   const surface::Facets& facets() const { return _candidates.slave(); }
   const GeneralResults& results() const { return _results; }
@@ -102,7 +105,15 @@ private:
     std::int32_t first = -1, second = -1;
     double next = 0.0; ///< motion from which they have to be looked at again [L]
   };
+  /// Edges that go on as others: does a pair wait while another one bears, or follow it?
+  enum class Following
+  {
+    no,
+    waits,
+    follows
+  };
   struct Touch;
+  struct Touches;
   /// Where the force of the last step on a node acts.
   struct LastTouch
   {
@@ -111,6 +122,22 @@ private:
     double weights[4] = {};
     double turn[12] = {}; ///< moment correction at the corners [F]
   };
+  /// Spring of a node to a facet, and what its last step was.
+  struct NodeSpring
+  {
+    PairSpring spring;
+    LastTouch last;
+    double slip[3] = {}; ///< accumulated since it closed [L]
+    ContactStatus status = ContactStatus::open;
+  };
+  /// Is the first spring open, or has it less force?
+  static bool is_weaker(const NodeSpring& first, const NodeSpring& second)
+  {
+    const PairSpring &a = first.spring, &b = second.spring;
+    return a.closed != b.closed ? b.closed : a.spring.force < b.spring.force;
+  }
+  /// Springs that a node may have, to facets whose normals differ.
+  static constexpr int springs_per_node = 3;
   typedef std::pair<std::int64_t, std::int64_t> EdgeKey;
 
   template <int D>
@@ -118,12 +145,36 @@ private:
   template <int D>
   bool faces(std::int32_t node, const double* normal) const;
   template <int D>
+  search::loop::Closest<D> closest(std::size_t f, const double (&corners)[4][D], const double* x) const;
+  bool corrects_moments() const { return _options.friction > 0.0 && !_options.axisymmetric; }
+  template <int D>
   bool behind_neighbours(std::size_t f, const double* x, const search::loop::Closest<D>& at) const;
   template <int D>
-  bool find(std::size_t i, const NodalState& state, Touch& touch);
+  void find(std::size_t i, const NodalState& state, Touches& touches);
+  template <int D>
+  bool look(std::size_t i, int slot, const NodalState& state, Touches& touches);
+  template <int D>
+  bool look_beyond(std::size_t i, int slot, const NodalState& state, Touches& touches);
+  template <int D>
+  bool may_begin(std::size_t i, std::size_t f, double gap, const NodalState& state, bool inside);
+  template <int D>
+  bool in_corner(const double* x, const Touch& first, const Touch& second) const;
+  bool belongs(std::size_t i, int slot, const double* normal, const Touches& touches) const;
   template <int D>
   void add_node(std::size_t i, const NodalState& state);
+  template <int D>
+  void update_results(std::size_t i, const Touches& touches);
+  double height_of(std::size_t f) const;
+  NodeSpring* springs_of(std::size_t i) { return _springs.data() + i * springs_per_node; }
+  const NodeSpring* springs_of(std::size_t i) const { return _springs.data() + i * springs_per_node; }
+  void add_springs(state::State& out, int slot) const;
+  void resume_springs(const state::State& saved, int slot);
+  void count_closed(std::size_t i);
   void add_edges(EdgePair& pair, const NodalState& state);
+  search::loop::Crossing cross_beyond(std::int32_t first, std::int32_t second, const double* minus) const;
+  Following follows(const EdgePair& pair, const search::loop::Crossing& now, const NodalState& state) const;
+  bool goes_on_elsewhere(const EdgePair& pair, const search::loop::Crossing& now) const;
+  void continue_edges();
   template <int D>
   void add_all(const NodalState& state, std::span<double> f);
   void update_positions(const NodalState& state);
@@ -135,7 +186,7 @@ private:
   void add_normals(std::vector<double>& out) const;
   void keep_edges();
   bool named(std::int32_t node, std::size_t facet) const;
-  std::size_t num_nodes() const { return _springs.size(); }
+  std::size_t num_nodes() const { return _num_closed.size(); }
 
   GeneralContactOptions _options;
   int _gdim;
@@ -161,14 +212,15 @@ private:
   std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
   std::vector<double> _next;                ///< by node, as in EdgePair
   std::vector<EdgePair> _edge_pairs;
-  std::map<EdgeKey, EdgeSpring> _kept_edges;    ///< histories until edges are listed again
-  std::map<EdgeKey, std::int32_t> _kept_owners; ///< of those that `resume` brought: position among the nodes
-  double _moved = 0.0;                          ///< sum of the largest increments since the lists were made [L]
-  double _largest_step = 0.0;                   ///< largest increment of a node in this step [L]
+  std::vector<std::array<std::int32_t, 2>> _continuations; ///< edge that goes on at each end of an edge; -1: none
+  std::map<EdgeKey, EdgeSpring> _kept_edges;               ///< histories until edges are listed again
+  std::map<EdgeKey, std::int32_t> _kept_owners;            ///< of those that `resume` brought: position among the nodes
+  double _moved = 0.0;        ///< sum of the largest increments since the lists were made [L]
+  double _largest_step = 0.0; ///< largest increment of a node in this step [L]
 
-  std::vector<PairSpring> _springs; ///< by node
-  std::vector<LastTouch> _last;     ///< by node
-  bool _first = true;               ///< no forces were computed yet
+  std::vector<NodeSpring> _springs;     ///< [node*springs_per_node + slot]
+  std::vector<std::int8_t> _num_closed; ///< springs of each node
+  bool _first = true;                   ///< no forces were computed yet
   GeneralResults _results;
   ContactEnergy _energy;
   Passage _passage;
@@ -176,4 +228,16 @@ private:
   std::int64_t _num_implausible = 0;
   std::array<double, 3> _no_force{};
 };
+
+/// Positions of the corners of a facet, less some increments.
+template <int D>
+void GeneralContact::corners_at(std::size_t f, const double* x, const double* minus, double (&out)[4][D]) const
+{
+  for (int k = 0; k < _loops.num_corners(); ++k)
+    for (int c = 0; c < D; ++c)
+    {
+      const std::size_t at = std::size_t(_loops.corners(f)[k]) * D + c;
+      out[k][c] = x[at] - (minus ? minus[at] : 0.0);
+    }
+}
 } // namespace dolfinx_impact::enforcement

@@ -91,9 +91,9 @@ NodalCompliances nodal_compliances(const surface::FunctionSpace& V, const NodeTo
 
 std::vector<double> nodal_compliances(const surface::FunctionSpace& V, const surface::Facets& facets,
                                       std::optional<std::span<const double>> moduli,
-                                      const FrequencyStiffness& frequency_stiffness)
+                                      const FrequencyStiffness& frequency_stiffness, bool axisymmetric)
 {
   const std::vector<double> bound = frequency_stiffness(nodes_of(V.dofmap()->index_map, std::span(&facets, 1)));
-  return compliances_of(V, facets, false, moduli, bound);
+  return compliances_of(V, facets, axisymmetric, moduli, bound);
 }
 } // namespace dolfinx_impact::enforcement

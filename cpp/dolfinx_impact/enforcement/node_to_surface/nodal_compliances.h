@@ -24,8 +24,9 @@ NodalCompliances nodal_compliances(const surface::FunctionSpace& V, const NodeTo
                                    const FrequencyStiffness& frequency_stiffness);
 
 /// The same of one surface that meets itself or others of its kind. Collective.
+/// @param[in] axisymmetric whether areas are those of bodies of revolution
 /// @returns by node that this rank owns; zero at nodes of other places, and where the bodies have no stiffness [L/F]
 std::vector<double> nodal_compliances(const surface::FunctionSpace& V, const surface::Facets& facets,
                                       std::optional<std::span<const double>> moduli,
-                                      const FrequencyStiffness& frequency_stiffness);
+                                      const FrequencyStiffness& frequency_stiffness, bool axisymmetric = false);
 } // namespace dolfinx_impact::enforcement

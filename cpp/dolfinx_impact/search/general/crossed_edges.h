@@ -20,6 +20,8 @@ struct Crossing
   double normal[3];   ///< unit, outward from the second edge's body
   double gap = 0.0;   ///< along the normal, positive if open [L]
   bool valid = false; ///< both points lie inside of the edges, and the normal points out of both bodies as it should
+
+  bool inside() const { return at[0] > 0.0 && at[0] < 1.0 && at[1] > 0.0 && at[1] < 1.0; }
 };
 
 /// Squared distance of two segments.
@@ -51,13 +53,16 @@ inline double squared_distance(const EdgeAtPresent& first, const EdgeAtPresent& 
   return sum;
 }
 
+/// Cosine of the angle between the normals of a sharp edge, 20 degrees.
+inline constexpr double sharp = 0.94;
+
 /// Crossing of two edges. It counts where both edges are sharp and convex, are not nearly parallel, and their common
 /// perpendicular lies within the cones of the outward normals of both: then it is the direction in which the bodies
 /// part, and its length has a sign without any history.
-inline Crossing cross_edges(const EdgeAtPresent& first, const EdgeAtPresent& second)
+/// @param[in] lines whether the points may lie beyond the ends
+inline Crossing cross_lines(const EdgeAtPresent& first, const EdgeAtPresent& second, bool lines = true)
 {
   constexpr double least_sine_squared = 0.01; ///< of the angle between the edges, about 6 degrees
-  constexpr double sharp = 0.94;              ///< cosine of the angle between normals of a sharp edge, 20 degrees
   constexpr double slack = 0.02;              ///< of the cones: round-off and small strains of faces that lie flat
   Crossing out;
   double t[2][3], r[3];
@@ -77,9 +82,8 @@ inline Crossing cross_edges(const EdgeAtPresent& first, const EdgeAtPresent& sec
   out.at[0] = dot<3>(help, n) / squared;
   cross(r, t[0], help);
   out.at[1] = dot<3>(help, n) / squared;
-  for (const double at : out.at)
-    if (!(at > 0.0 && at < 1.0))
-      return out;
+  if (!lines && !out.inside())
+    return out;
   const double size = std::sqrt(squared);
   double outward = 0.0;
   for (int c = 0; c < 3; ++c)
@@ -110,5 +114,11 @@ inline Crossing cross_edges(const EdgeAtPresent& first, const EdgeAtPresent& sec
     out.gap += out.normal[c] * (out.at[0] * t[0][c] - r[c] - out.at[1] * t[1][c]);
   out.valid = true;
   return out;
+}
+
+/// As cross_lines, with points between the ends.
+inline Crossing cross_edges(const EdgeAtPresent& first, const EdgeAtPresent& second)
+{
+  return cross_lines(first, second, false);
 }
 } // namespace dolfinx_impact::search::loop

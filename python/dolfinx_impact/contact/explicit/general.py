@@ -23,7 +23,8 @@ class GeneralOutput(NodalOutput):
     are the surface nodes that this rank owns.
 
     A node is pushed by springs of its own, as corner of facets that other nodes have come through, and as end of edges:
-    traction and pressure have all of it. Status, gap and slip are those of its own spring.
+    traction and pressure have all of it. Status, gap and slip are those of its own spring; in a corner between facets,
+    where it has up to three, of that with the largest force.
 
     Args:
         pair: the surface.
@@ -67,14 +68,12 @@ class GeneralOutput(NodalOutput):
         self.problem, self.V = problem, problem.space
         V = problem.space
         self.comm, self.gdim = V.mesh.comm, V.mesh.geometry.dim
-        if problem.axisymmetric:
-            raise ValueError(
-                f"{pair.name}: general contact is for plane and 3D problems; name pairs in axisymmetric ones"
-            )
-        self._facets = pair.facets(V)
+        self._facets = pair.facets(V, problem.axisymmetric)
         surfaces = [other.surfaces(V) for other in problem.named_pairs]
         named = [(slave, master) for slave, master in surfaces if master is not None]
-        self._general = _cpp.nodal.GeneralContact(V._cpp_object, self._facets, pair.friction, named)
+        self._general = _cpp.nodal.GeneralContact(
+            V._cpp_object, self._facets, pair.friction, named, problem.axisymmetric
+        )
         self._cpp_object = _cpp.nodal.NodalPair([self._general])
         self.nodes, self.weight = self._general.nodes, self._general.areas
         self._X = self._general.X.reshape(-1, self.gdim)

@@ -5,7 +5,7 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
-from dolfinx import mesh
+from dolfinx import fem, mesh
 from flying_bodies import Flying, box, rotation
 from mpi4py import MPI
 
@@ -37,6 +37,38 @@ def plate(comm=COMM):
     )
 
 
+def notch(comm=COMM, cell="triangle", speed=1.0):
+    """A block that falls with an edge into the notch between two others; mirrored about the plane x = 0."""
+    dim = 2 if cell in ("triangle", "quadrilateral") else 3
+    half = np.sqrt(0.5)
+
+    def turned(low, high, lift=0.0):
+        def place(p):
+            q = low + p * (np.asarray(high) - low)
+            x = q.copy()
+            x[:, 0], x[:, -1] = half * (q[:, 0] - q[:, -1]), half * (q[:, 0] + q[:, -1]) + lift
+            return x
+
+        return place
+
+    def mirrored(place):
+        # Both axes of the grid change their places, so that cells keep their orientation.
+        return lambda p: place(p[:, ::-1] if dim == 2 else p[:, [2, 1, 0]]) * ([-1.0] + [1.0] * (dim - 1))
+
+    wide = [0.0], [1.0], [0.8]
+    low, high, deep = (np.array([0.0, *(w if dim == 3 else []), 0.0]) for w in wide)
+    low[-1], high[0], high[-1] = -1.0, 1.0, 0.0
+    deep[0] = deep[-1] = 0.7
+    if dim == 3:
+        low[1], high[1] = 0.0, 1.0
+    right = turned(low, high)
+    start = np.array([0.0, *([0.1] if dim == 3 else []), 0.0])
+    block = turned(start, start + deep, 0.005)
+    counts = (4, 4) if dim == 2 else (3, 2, 3)
+    still, fall = np.zeros(dim), np.array([0.0] * (dim - 1) + [-speed])
+    return Flying([(counts, right, still), (counts, mirrored(right), still), (counts, block, fall)], cell, comm=comm)
+
+
 def _same(make, until):
     """A run on all ranks and the same one on each rank alone: centres, momenta, energies."""
     results = []
@@ -60,6 +92,40 @@ def check_both_sides_of_a_plate_on_ranks():
     _same(plate, 0.15)
 
 
+def check_several_springs_of_a_node_on_ranks():
+    _same(notch, 0.1)
+
+
+def coaxial(comm=COMM, cell="quadrilateral"):
+    """A cylinder that falls on a wider one, both with their axis in the mesh."""
+    law = di.NeoHookean(1000.0, 0.3, density=1.0, hypothesis="axisymmetric")
+    lower, upper = box((0.0, 0.0), (1.0, 1.0)), box((0.0, 1.01), (0.8, 1.81))
+    return Flying([((6, 6), lower, (0.0, 0.0)), ((5, 5), upper, (0.0, -1.0))], cell, law, comm)
+
+
+def on_the_axis(bodies):
+    V, m = bodies.V, bodies.mesh
+    facets = mesh.locate_entities_boundary(m, 1, lambda x: np.abs(x[0]) < 1e-9)
+    return fem.dirichletbc(0.0, fem.locate_dofs_topological(V.sub(0), 1, facets), V.sub(0))
+
+
+def check_bodies_of_revolution():
+    """Axial momentum and energies stay; nodes on the axis bear as their neighbours do."""
+    bodies = coaxial()
+    problem = bodies.problem(0.2, bcs=[on_the_axis(bodies)])
+    before = bodies.momentum(problem)[1]
+    problem.advance(until=0.04, dt=0.5 * problem.stable_step(), progress=False)
+    contact = problem.contact[0]
+    lower_face = (bodies.body[contact.nodes] == 1) & (bodies.X[contact.nodes, 1] < 1.02)
+    inner = lower_face & (bodies.X[contact.nodes, 0] < 0.5)
+    gaps = np.concatenate(COMM.allgather(contact.gap[inner]))
+    assert len(gaps) == 4 and np.all(gaps < -0.005) and np.ptp(gaps) < 0.05 * np.abs(gaps).max()
+    problem.advance(until=0.12, dt=0.5 * problem.stable_step(), progress=False)
+    assert abs(bodies.momentum(problem)[1] - before) < 1e-13
+    assert abs(problem.energy["drift"]) < 1e-4  # steps change once
+    assert bodies.mean_velocity(problem, 1)[1] > 0.1  # they part
+
+
 def check_momentum_on_ranks():
     bodies = stack()
     problem = bodies.problem(friction=0.3)
@@ -71,25 +137,40 @@ def check_momentum_on_ranks():
 
 
 def check_restart_in_contact():
-    """A run that is saved while springs of nodes and edges are closed, and one that goes on from the file."""
+    """Saved while springs of nodes and edges are closed."""
+    assert min(_restart(stack, 0.25, 0.4).num_springs) > 0
+
+
+def check_restart_with_several_springs_of_a_node():
+    contact = _restart(notch, 0.05, 0.1)
+    assert contact.num_springs[0] > COMM.allreduce(int(np.sum(contact.status > 0)), MPI.SUM)
+
+
+def _restart(make, middle, end):
+    """A run that is saved, and one that goes on from the file.
+
+    Returns:
+        The contact at the time of the file.
+    """
     with tempfile.TemporaryDirectory() as folder:
         path = COMM.bcast(str(Path(folder) / "state.h5"), 0)
-        problem = stack().problem(friction=0.3)
-        problem.advance(until=0.25, progress=False)
+        problem = make().problem(friction=0.3)
+        problem.advance(until=middle, progress=False)
         contact = problem.contact[0]
-        nodes, edges = contact.num_springs
-        assert nodes > 0 and edges > 0
         problem.save(path)
         kept = {name: getattr(contact, name).copy() for name in ("traction", "pressure", "status", "slip", "points")}
-        problem.advance(until=0.4, progress=False)
-        other = stack().problem(friction=0.3)
+        problem.advance(until=end, progress=False)
+        other = make().problem(friction=0.3)
         other.restore(path)
+        begun = make().problem(friction=0.3)
+        begun.restore(path)
         for name, values in kept.items():
             np.testing.assert_array_equal(getattr(other.contact[0], name), values, err_msg=name)
-        other.advance(until=0.4, progress=False)
+        other.advance(until=end, progress=False)
         np.testing.assert_array_equal(other.u.x.array, problem.u.x.array)
         assert other.energy == problem.energy
         COMM.barrier()
+        return begun.contact[0]
 
 
 def check_force_on_tags():

@@ -90,13 +90,18 @@ def test_blocks_with_friction(cell):
     assert problem.energy["friction"] > 1e-3
 
 
-def crossed_prisms(cell, shift=0.0):
-    """Two prisms that meet edge on edge, at a right angle."""
+def crossed_prisms(cell, shift=0.0, along=None, slides=0.0):
+    """Two prisms that meet edge on edge, at a right angle.
+
+    Args:
+        shift: of the upper one along both edges; along: along that of the lower one alone.
+        slides: velocity of the upper one along the lower one's edge.
+    """
     top = np.sqrt(0.5)
     first = box((-1.5, -0.5, -0.5 - top), (1.5, 0.5, 0.5 - top), rotation((1, 0, 0), np.pi / 4))
-    low = np.array([-0.5 + shift, -1.5 + shift, -0.5 + top + 0.01])
+    low = np.array([-0.5 + (shift if along is None else along), -1.5 + shift, -0.5 + top + 0.01])
     second = box(low, low + [1.0, 3.0, 1.0], rotation((0, 1, 0), np.pi / 4))
-    return Flying([((6, 2, 2), first, (0, 0, 0)), ((2, 6, 2), second, (0, 0, -1.0))], cell)
+    return Flying([((6, 2, 2), first, (0, 0, 0)), ((2, 6, 2), second, (slides, 0, -1.0))], cell)
 
 
 @pytest.mark.parametrize("cell", SPACE)
@@ -111,6 +116,25 @@ def test_crossed_prisms_do_not_sink(cell, shift):
     assert velocities[0] < velocities[1] - 0.1  # they part
 
 
+@pytest.mark.parametrize(
+    "cell,along,slides,end",
+    (
+        ("hexahedron", 1.46, 0.0, 1.14),  # near the end of the lower one, which is bent down and turns
+        ("tetrahedron", 0.48, 0.0, 1.41),  # near a node
+        ("hexahedron", 0.13, 2.0, 1.38),  # over a node, where one edge follows the other
+    ),
+)
+def test_crossed_prisms_near_ends_and_over_nodes(cell, along, slides, end):
+    """Edges that have come through stay closed as deep as they are, and their neighbours take over: before they were
+    given up near nodes and ends, and the centres came to 0.99, 1.16 and 1.24."""
+    bodies = crossed_prisms(cell, 0.13, along, slides)
+    problem, deep, _, edges = run(bodies, 0.6)
+    assert edges == 1 and deep < 0.12
+    assert bodies.centre(problem, 1)[2] - bodies.centre(problem, 0)[2] > end
+    if not slides:
+        assert abs(problem.energy["impact"]) < 1e-3
+
+
 @pytest.mark.parametrize("cell", SPACE)
 def test_corner_on_corner(cell):
     """Corners that pass beside each other are held by their edges."""
@@ -120,6 +144,99 @@ def test_corner_on_corner(cell):
     bodies = Flying([((2, 2, 2), first, (0, 0, 0)), ((2, 2, 2), second, (0, 0, -1.0))], cell)
     _, deep, _, edges = run(bodies, 0.3)
     assert edges > 0 and deep < 0.03
+
+
+@pytest.mark.parametrize("cell", PLANE)
+def test_coaxial_cylinders_in_one_dimension(cell):
+    """Two cylinders whose radius is held, one falls on the other: a plane wave with pressure rho c v / 2 runs through
+    both, and they exchange their velocities."""
+    law = di.LinearElastic(1000.0, 0.3, density=1.0, hypothesis="axisymmetric")
+    lower, upper = box((0.0, 0.0), (1.0, 1.0)), box((0.0, 1.001), (1.0, 2.001))
+    bodies = Flying([((6, 12), lower, (0.0, 0.0)), ((5, 12), upper, (0.0, -1.0))], cell, law)
+    m, V = bodies.mesh, bodies.V
+    m.topology.create_connectivity(2, 2)
+    cells = np.arange(m.topology.index_map(2).size_local, dtype=np.int32)
+    held = fem.dirichletbc(0.0, fem.locate_dofs_topological(V.sub(0), 2, cells), V.sub(0))
+    problem = bodies.problem(bcs=[held])
+    wave = np.sqrt(1000.0 * 0.7 / 1.3 / 0.4)  # velocity, with density 1; it is back at the contact at 2 / wave = 0.054
+    forces = []
+
+    def look(p):
+        if 0.015 < p.time < 0.045:
+            forces.append(p.contact[0].force_on(2)[1])
+
+    problem.advance(until=0.08, dt=0.5 * problem.stable_step(), callback=look, progress=False)
+    # The springs' compliance, a hundredth of the bodies', and the mesh, twelve cells for a front.
+    assert np.mean(forces) == pytest.approx(0.5 * np.pi * wave, rel=0.03) and np.std(forces) < 0.05 * np.mean(forces)
+    velocities = [bodies.mean_velocity(problem, b)[1] for b in (0, 1)]
+    np.testing.assert_allclose(velocities, [-1.0, 0.0], atol=0.01)
+    assert abs(problem.energy["drift"]) < BALANCE
+
+
+@pytest.mark.parametrize("cell", (*PLANE, "hexahedron"))
+def test_both_faces_of_a_notch_bear(cell):
+    """A node that is pressed into both has a spring to each; by symmetry their forces are alike to round-off."""
+    bodies = general_contact_checks.notch(MPI.COMM_SELF, cell)
+    tip = np.flatnonzero((bodies.body == 2) & (bodies.X[:, -1] < 0.006))
+    seen = []
+
+    def look(p):
+        contact = p.contact[0]
+        right, left = contact.force_on(1), contact.force_on(2)
+        mirrored = right * ([-1.0] + [1.0] * (bodies.dim - 1))
+        more = contact.num_springs[0] - np.sum(contact.status > 0)
+        at_tip = (contact.traction * contact.weight[:, None])[np.isin(contact.nodes, tip)].sum(axis=0)
+        seen.append((np.abs(left - mirrored).max(), np.abs(right).max(), more, *at_tip[[0, -1]]))
+
+    problem = bodies.problem()
+    momentum = bodies.momentum(problem)
+    problem.advance(until=0.08, dt=0.5 * problem.stable_step(), callback=look, progress=False)
+    difference, force, more, tip_side, tip_up = np.max(seen, axis=0)
+    assert force > 1.0 and difference < 1e-11 * force
+    assert more >= len(tip) and tip_up > 0.3 and np.abs([s[3] for s in seen]).max() < 1e-11
+    assert problem.contact[0].deepest < 0.02  # of cells of 0.18 and more
+    assert np.abs(bodies.momentum(problem) - momentum).max() < 1e-13 and abs(problem.energy["drift"]) < BALANCE
+
+
+@pytest.mark.parametrize("cell,low", (("triangle", 0.0), ("quadrilateral", -0.7)))
+def test_corner_of_a_floor_and_a_wall(cell, low):
+    """The node in the corner is behind one body and beyond the end of the other."""
+    bodies = Flying(
+        [
+            ((8, 4), box((-2.0, -1.0), (0.0, 0.0)), (0.0, 0.0)),
+            ((2, 6), box((0.0, low), (0.6, 1.5)), (0.0, 0.0)),
+            ((3, 3), box((-0.705, 0.005), (-0.005, 0.705)), (1.0, -1.0)),
+        ],
+        cell,
+    )
+    corner = np.argmin(np.linalg.norm(bodies.X - (-0.005, 0.005), axis=1))
+    least = [0.0]
+
+    def look(p):
+        contact = p.contact[0]
+        x, y = (contact.traction * contact.weight[:, None])[contact.nodes == corner][0]
+        least[0] = max(least[0], min(-x, y))
+
+    problem = bodies.problem(0.2)
+    problem.advance(until=0.12, dt=0.5 * problem.stable_step(), callback=look, progress=False)
+    assert least[0] > 1.0  # both bear at once
+    assert abs(problem.energy["drift"]) < BALANCE
+    x = bodies.X + problem.u.x.array.reshape(-1, 2)
+    assert x[corner, 0] < 0.03 and x[corner, 1] > -0.03  # an eighth of a cell
+
+
+@pytest.mark.parametrize("cell", PLANE)
+def test_a_block_slides_over_the_seam_of_two_others(cell):
+    """The side of the second one does not hold it up."""
+    blocks = [
+        ((6, 3), box((-2.0, -1.0), (0.0, 0.0)), (0.0, 0.0)),
+        ((5, 3), box((0.0, -1.0), (1.7, 0.0)), (0.0, 0.0)),
+        ((3, 2), box((-0.6, 0.0), (0.4, 0.5)), (1.0, -0.05)),
+    ]
+    bodies = Flying(blocks, cell)
+    problem, deep, nodes, _ = run(bodies, 0.3)
+    assert nodes > 2 and deep < 0.002
+    assert abs(bodies.mean_velocity(problem, 2)[0] - 1.0) < 1e-4
 
 
 @pytest.mark.parametrize("cell", (*PLANE, *SPACE))
@@ -274,9 +391,6 @@ def test_what_it_is_not_for():
         di.ExplicitProblem(curved, law, contact=[general])
     with pytest.raises(ValueError, match="several GeneralContact"):
         di.ExplicitProblem(u, law, contact=[general, di.GeneralContact(tags)])
-    with pytest.raises(ValueError, match="plane and 3D problems"):
-        ring_law = di.LinearElastic(1.0, 0.3, 1.0, "axisymmetric")
-        di.ExplicitProblem(fem.Function(u.function_space), ring_law, contact=[general])
 
 
 @pytest.mark.slow
