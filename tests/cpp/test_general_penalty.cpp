@@ -53,7 +53,7 @@ struct BentBar
     for (std::size_t node = 0; node < x.size() / 3; ++node)
     {
       const double turn = angle * x[3 * node] / bar_length, r = ring_radius + x[3 * node + 1];
-      u[node * gdim] = -r * std::sin(turn) - x[3 * node];
+      u[node * gdim] = r * std::sin(turn) - x[3 * node];
       u[node * gdim + 1] = r * std::cos(turn) - x[3 * node + 1];
     }
     return u;
