@@ -5,16 +5,9 @@ too, and contact without pairs."""
 import numpy as np
 
 from . import contact_patch, contact_static, general, general_static, interface_laws, rigid_bodies, stick_slip, tied
-from .contact_bodies import TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
+from .contact_bodies import CASES, TwoBodies, facet_of, obstacles, roughen, steel, two_bodies
 from .report import Report
 
-CASES = (
-    ("triangle", "plane_strain"),
-    ("quadrilateral", "plane_strain"),
-    ("quadrilateral", "axisymmetric"),
-    ("tetrahedron", "3d"),
-    ("hexahedron", "3d"),
-)
 FRICTION = 0.5
 OFFSET = 0.5  # distance of axisymmetric bodies from the axis [L]
 

@@ -22,6 +22,14 @@ from dolfinx_impact.contact.pair import Smooth
 from . import matched_body, nodes
 
 SLAVE, MASTER, TOP, BOTTOM = 1, 2, 3, 4
+#: Cells and hypotheses of bodies in contact.
+CASES = (
+    ("triangle", "plane_strain"),
+    ("quadrilateral", "plane_strain"),
+    ("quadrilateral", "axisymmetric"),
+    ("tetrahedron", "3d"),
+    ("hexahedron", "3d"),
+)
 BETWEEN = 0.5  # distance of the bodies while the mesh is made and tagged [L]
 # Rigid obstacles on our side, and the same obstacle on both sides.
 OurObstacle: TypeAlias = Union[contact.RigidPlane, contact.RigidSphere, contact.RigidCylinder]

@@ -9,17 +9,10 @@ import numpy as np
 
 from dolfinx_impact import GeneralContact, StaticProblem
 from . import differences, matched_body
-from .contact_bodies import MASTER, SLAVE, TwoBodies, facet_of, roughen, rule, steel, two_bodies
+from .contact_bodies import CASES, MASTER, SLAVE, TwoBodies, facet_of, roughen, rule, steel, two_bodies
 from .contact_patch import Rows
 from .report import Report
 
-CASES = (
-    ("triangle", "plane_strain"),
-    ("quadrilateral", "plane_strain"),
-    ("quadrilateral", "axisymmetric"),
-    ("tetrahedron", "3d"),
-    ("hexahedron", "3d"),
-)
 FRICTION = 0.1
 #: Surfaces touch in the undeformed state but for less than a fiftieth of a cell: where they overlapped by a twentieth,
 #: contact without pairs would not know on which side they are.

@@ -5,6 +5,8 @@
 #include "../../search/BoxTree.h"
 #include "../../search/general/crossed_edges.h"
 #include "../friction.h"
+#include "edge_at.h"
+#include "limits.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,16 +17,16 @@
 
 namespace dolfinx_impact::enforcement
 {
+using general::edge_at;
+using general::inside_factor;
+using general::sharp_of_lists;
+
 namespace
 {
 namespace crossing = search::loop;
 
 /// Pairs of edges in contact that a facet can own in a state, and the numbers of each.
 constexpr int pairs_per_facet = 6, values_per_pair = 7;
-/// Cosine of the angle between the facets beside an edge that may become sharp until edges are listed again.
-constexpr double sharp_edge = 0.985;
-/// Edges touch between their ends: farther from them than the depth, by this factor.
-constexpr double from_ends = 2.0;
 /// Where one edge goes on from another, both bear a part within this part of them from their common end, so that forces
 /// vary smoothly when the place goes from one to the other; a bent line has no hole there.
 constexpr double common_part = 0.1;
@@ -32,21 +34,6 @@ constexpr double common_part = 0.1;
 constexpr double straight_on = 0.8;
 /// A pair has one spring, where points of both sides have half of the penalty each.
 constexpr double sides = 2.0;
-
-crossing::EdgeAtPresent edge_at_present(const search::SurfaceEdge& edge, const search::FacetLoops& loops,
-                                        std::span<const double> x)
-{
-  crossing::EdgeAtPresent out;
-  for (int k = 0; k < 2; ++k)
-  {
-    std::copy_n(x.data() + std::size_t(edge.nodes[k]) * 3, 3, out.ends[k]);
-    double corners[4][3];
-    for (int j = 0; j < loops.num_corners(); ++j)
-      std::copy_n(x.data() + std::size_t(loops.corners(edge.facets[k])[j]) * 3, 3, corners[j]);
-    crossing::side_normal(corners, loops.num_corners(), edge.sides[k], out.normals[k]);
-  }
-  return out;
-}
 
 double distance(const double* a, const double* b)
 {
@@ -170,8 +157,8 @@ void CrossedEdges::list(const search::PairSearch& pair, const search::GeneralSea
   std::vector<double> boxes;
   for (std::size_t e = 0; e < _loops.edges().size(); ++e)
   {
-    const crossing::EdgeAtPresent at = edge_at_present(_loops.edges()[e], _loops, x);
-    if (!(crossing::dot<3>(at.normals[0], at.normals[1]) < sharp_edge))
+    const crossing::EdgeAtPresent at = edge_at(_loops.edges()[e], _loops, x.data(), nullptr);
+    if (!(crossing::dot<3>(at.normals[0], at.normals[1]) < sharp_of_lists))
       continue;
     sharp.push_back(std::int32_t(e));
     for (const bool high : {false, true})
@@ -212,8 +199,8 @@ void CrossedEdges::list(const search::PairSearch& pair, const search::GeneralSea
       if (out.bodies[0] == out.bodies[1])
       {
         // Two edges of one body that are across it from the beginning.
-        const crossing::Crossing at =
-            crossing::cross_edges(edge_at_present(first, _loops, _X), edge_at_present(second, _loops, _X));
+        const crossing::Crossing at = crossing::cross_edges(edge_at(first, _loops, _X.data(), nullptr),
+                                                            edge_at(second, _loops, _X.data(), nullptr));
         if (at.valid && at.gap < 0.0)
           continue;
       }
@@ -263,7 +250,8 @@ void CrossedEdges::read_history(CrossedPair& pair) const
 bool CrossedEdges::cross(CrossedPair& pair, std::span<const double> moved) const
 {
   const search::SurfaceEdge &first = _loops.edges()[pair.first], &second = _loops.edges()[pair.second];
-  const crossing::EdgeAtPresent a = edge_at_present(first, _loops, _x), b = edge_at_present(second, _loops, _x);
+  const crossing::EdgeAtPresent a = edge_at(first, _loops, _x.data(), nullptr),
+                                b = edge_at(second, _loops, _x.data(), nullptr);
   const crossing::Crossing at = cross_with_ends(a, b);
   if (!at.valid)
     return false;
@@ -274,7 +262,7 @@ bool CrossedEdges::cross(CrossedPair& pair, std::span<const double> moved) const
     for (int end = 0; end < 2; ++end)
     {
       const double from = end == 0 ? at.at[k] : 1.0 - at.at[k];
-      if (!pair.goes_on[k][end] && !(from * lengths[k] > -from_ends * at.gap))
+      if (!pair.goes_on[k][end] && !(from * lengths[k] > -inside_factor * at.gap))
         return false;
     }
     std::tie(parts[k], slopes[k]) = borne(at.at[k], pair.goes_on[k]);
@@ -288,8 +276,8 @@ bool CrossedEdges::cross(CrossedPair& pair, std::span<const double> moved) const
   double before = -pair.depth;
   if (!(pair.depth > 0.0))
   {
-    const crossing::Crossing then =
-        cross_with_ends(edge_at_present(first, _loops, _start), edge_at_present(second, _loops, _start));
+    const crossing::Crossing then = cross_with_ends(edge_at(first, _loops, _start.data(), nullptr),
+                                                    edge_at(second, _loops, _start.data(), nullptr));
     before = then.valid ? then.gap : 0.0;
     if (-at.gap > search::GeneralSearch::shallow_part * pair.height &&
         !(then.valid && then.gap > -search::GeneralSearch::shallow_part * pair.height))

@@ -2,12 +2,9 @@
 #include "GeneralContact.h"
 #include "../../common/agree.h"
 #include "../../common/gather.h"
-#include "../../operators/RigidBodyModes.h"
-#include "../../operators/nodal_sums.h"
 #include "../../search/BoxTree.h"
 #include "../../search/general/closest_on_loop.h"
 #include "../../search/general/crossed_edges.h"
-#include "../../surface/cell_heights.h"
 #include "edge_at.h"
 #include "limits.h"
 #include <algorithm>
@@ -25,20 +22,16 @@ using search::SurfaceEdge;
 
 namespace
 {
-/// Power of the mean that stands for the smallest height at a node: sums over ranks make it.
-constexpr int power = 8;
 /// Entries of _shared by node.
 enum Shared
 {
   compliance_entry,
   area_entry,
-  thickness_entry,
+  height_entry,
   group_entry,
   body_entry,
   num_entries
 };
-/// Bits of a double's mantissa are the named surfaces that a node belongs to, two for each pair.
-constexpr std::size_t most_pairs = 26;
 /// Edges that a node may be the first end of and that touch others, in a checkpoint.
 constexpr std::size_t edges_per_node = 6;
 constexpr int numbers_per_edge = 28;
@@ -49,7 +42,7 @@ constexpr std::array<const char*, 6> member_names{"spring_force",   "spring_comp
                                                   "spring_surplus", "spring_tangential_surplus", "spring_offset"};
 
 const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const surface::Facets& facets,
-                                      const GeneralContactOptions& options, std::size_t num_named)
+                                      const GeneralContactOptions& options)
 {
   common::agree(V.mesh()->comm(),
                 [&]
@@ -60,9 +53,6 @@ const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const sur
                     throw std::invalid_argument(
                         "general contact needs straight facets: displacements of degree 1 on a mesh of geometry degree "
                         "1; use pairs of surfaces for degree 2");
-                  if (num_named > most_pairs)
-                    throw std::invalid_argument("general contact beside " + std::to_string(num_named) +
-                                                " pairs of surfaces: it can leave out " + std::to_string(most_pairs));
                 });
   return V;
 }
@@ -70,37 +60,9 @@ const surface::FunctionSpace& checked(const surface::FunctionSpace& V, const sur
 
 GeneralContact::GeneralContact(const surface::FunctionSpace& V, const surface::Facets& facets,
                                const GeneralContactOptions& options, std::span<const NamedPair> named)
-    : _options(options), _gdim(facets.gdim), _num_named(named.size()),
-      _candidates(checked(V, facets, options, named.size()), facets, &facets, 0.0, options.axisymmetric)
+    : _options(options), _gdim(facets.gdim), _surface(checked(V, facets, options), facets, named),
+      _candidates(V, facets, &facets, 0.0, options.axisymmetric)
 {
-  const auto map = V.dofmap()->index_map;
-  const std::size_t owned = map->size_local(), all = owned + map->num_ghosts();
-  const double size = _candidates.size();
-  const std::vector<double> heights = surface::cell_heights(V, facets);
-  std::vector<double> powers(all, 0.0), groups(all, 0.0);
-  const int num = facets.displacement.num_nodes();
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    for (int k = 0; k < num; ++k)
-      powers[facets.nodes_of(f)[k]] += std::pow(size / heights[f], power);
-  powers = operators::sum_over_ranks(map, std::move(powers), 1);
-  double bit = 1.0;
-  for (const NamedPair& pair : named)
-    for (const surface::Facets* side : {&pair.slave, &pair.master})
-    {
-      std::vector<double> at(all, 0.0);
-      for (const std::int32_t node : side->nodes)
-        at[node] = 1.0;
-      at = operators::sum_over_ranks(map, std::move(at), 1);
-      for (std::size_t node = 0; node < all; ++node)
-        groups[node] += at[node] > 0.0 ? bit : 0.0;
-      bit *= 2.0;
-    }
-  const std::vector<std::int32_t> bodies = operators::bodies(V).number;
-  _thickness.resize(owned);
-  for (std::size_t node = 0; node < owned; ++node)
-    _thickness[node] = powers[node] > 0.0 ? size * std::pow(powers[node], -1.0 / power) : 0.0;
-  _groups.assign(groups.begin(), groups.begin() + owned);
-  _bodies.assign(bodies.begin(), bodies.begin() + owned);
   const std::size_t n = _candidates.nodes().size();
   _springs.resize(n * springs_per_node);
   _num_closed.assign(n, 0);
@@ -132,14 +94,14 @@ std::span<const std::int32_t> GeneralContact::required_nodes(operators::Halo& al
   _found = _candidates.numbered(all);
   _shared.assign(std::size_t(all.num_nodes()) * num_entries, 0.0);
   const auto areas = _candidates.master_areas();
-  for (std::size_t node = 0; node < _thickness.size(); ++node)
+  for (std::size_t node = 0; node < _surface.height.size(); ++node)
   {
     double* entries = _shared.data() + node * num_entries;
     entries[compliance_entry] = _known.empty() ? 0.0 : _known[node];
     entries[area_entry] = areas[node];
-    entries[thickness_entry] = _thickness[node];
-    entries[group_entry] = _groups[node];
-    entries[body_entry] = _bodies[node];
+    entries[height_entry] = _surface.height[node];
+    entries[group_entry] = double(_surface.groups[node]);
+    entries[body_entry] = _surface.body[node];
   }
   all.forward(_shared, num_entries);
   _needed.assign(_candidates.watched().begin(), _candidates.watched().end());
@@ -169,7 +131,7 @@ void GeneralContact::assign_numbers(operators::Halo& halo, std::span<const std::
     const std::int32_t k = numbers[node];
     _surface_compliance[k] = entries[compliance_entry];
     _area[k] = entries[area_entry];
-    _height[k] = entries[thickness_entry];
+    _height[k] = entries[height_entry];
     _group[k] = std::int64_t(entries[group_entry]);
     _body[k] = std::int32_t(entries[body_entry]);
     _inverse_mass[k] = 1.0 / mass[k];
@@ -210,18 +172,12 @@ void GeneralContact::assign_numbers(operators::Halo& halo, std::span<const std::
 /// Is this node with this facet among the surfaces of a pair that others push apart?
 bool GeneralContact::named(std::int32_t node, std::size_t facet) const
 {
-  if (_num_named == 0)
+  if (_surface.num_named == 0)
     return false;
   std::int64_t all = ~std::int64_t(0);
   for (int k = 0; k < _loops.num_corners(); ++k)
     all &= _group[_loops.corners(facet)[k]];
-  for (std::size_t pair = 0; pair < _num_named; ++pair)
-  {
-    const std::int64_t slave = std::int64_t(1) << (2 * pair), master = slave << 1;
-    if (((_group[node] & slave) && (all & master)) || ((_group[node] & master) && (all & slave)))
-      return true;
-  }
-  return false;
+  return _surface.left_out(_group[node], all);
 }
 
 template <int D>

@@ -2,6 +2,8 @@
 #pragma once
 #include "../../search/general/FacetLoops.h"
 #include "../../search/general/NamedPair.h"
+#include "../../search/general/SurfaceNodes.h"
+#include "../../search/general/beyond_end.h"
 #include "../../search/general/closest_on_loop.h"
 #include "../../search/general/crossed_edges.h"
 #include "../ContactStatus.h"
@@ -9,8 +11,10 @@
 #include "../node_to_surface/NodeCandidates.h"
 #include "PairSpring.h"
 #include <array>
+#include <limits>
 #include <map>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -112,8 +116,23 @@ private:
     waits,
     follows
   };
-  struct Touch;
+  /// A facet that a node touches.
+  struct Touch
+  {
+    std::size_t facet = 0;
+    double weights[4], normal[3];
+    double gap = std::numeric_limits<double>::infinity(); ///< infinite: none [L]
+    int slot = -1;                                        ///< of the node's springs
+  };
   struct Touches;
+  /// A facet that ends beside a node.
+  template <int D>
+  struct FacetEnd
+  {
+    Touch touch;
+    search::loop::BeyondEnd<D> at;
+    double slack; ///< [L]
+  };
   /// Where the force of the last step on a node acts.
   struct LastTouch
   {
@@ -190,11 +209,10 @@ private:
 
   GeneralContactOptions _options;
   int _gdim;
-  std::size_t _num_named;
+  search::SurfaceNodes _surface;
   NodeCandidates _candidates;
-  std::vector<double> _known;                       ///< compliances of owned nodes of the space [L/F]
-  std::vector<double> _thickness, _groups, _bodies; ///< of owned nodes of the space
-  std::vector<double> _shared;                      ///< the same over the nodes of the Halo of `required_nodes`
+  std::vector<double> _known;  ///< compliances of owned nodes of the space [L/F]
+  std::vector<double> _shared; ///< the same over the nodes of the Halo of `required_nodes`
   std::vector<std::int32_t> _needed;
   surface::Facets _found; ///< candidate facets, numbered by the Halo of `required_nodes`
   operators::Halo* _halo = nullptr;
@@ -210,7 +228,9 @@ private:
 
   search::FacetLoops _loops;
   std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
-  std::vector<double> _next;                ///< by node, as in EdgePair
+  /// Of the node that is looked at; kept, as a time step allocates nothing.
+  std::tuple<std::vector<FacetEnd<2>>, std::vector<FacetEnd<3>>> _ends;
+  std::vector<double> _next; ///< by node, as in EdgePair
   std::vector<EdgePair> _edge_pairs;
   std::vector<std::array<std::int32_t, 2>> _continuations; ///< edge that goes on at each end of an edge; -1: none
   std::map<EdgeKey, EdgeSpring> _kept_edges;               ///< histories until edges are listed again

@@ -111,15 +111,6 @@ bool GeneralContact::behind_neighbours(std::size_t f, const double* x, const sea
   return true;
 }
 
-/// A facet that a node touches.
-struct GeneralContact::Touch
-{
-  std::size_t facet = 0;
-  double weights[4], normal[3];
-  double gap = std::numeric_limits<double>::infinity(); ///< infinite: none [L]
-  int slot = -1;                                        ///< of the node's springs
-};
-
 /// Facets that a node touches, no more than one for each of its springs.
 struct GeneralContact::Touches
 {
@@ -307,20 +298,13 @@ bool GeneralContact::look(std::size_t i, int slot, const NodalState& state, Touc
 template <int D>
 bool GeneralContact::look_beyond(std::size_t i, int slot, const NodalState& state, Touches& touches)
 {
-  struct End
-  {
-    Touch touch;
-    loop::BeyondEnd<D> at;
-    double slack; ///< [L]
-  };
-  constexpr int most_ends = 8;
   const int num = _loops.num_corners();
   const std::size_t node = _candidates.numbers()[i];
   const double* x = _x.data() + node * D;
   const bool closed = slot >= 0;
   const NodeSpring* const own = springs_of(i);
-  End ends[most_ends];
-  int count = 0;
+  auto& ends = std::get<std::vector<FacetEnd<D>>>(_ends);
+  ends.clear();
   // Planes of the other springs: for those that are closed those of the last step, whatever their order.
   loop::FootPlane planes[2 * springs_per_node];
   int num_planes = 0;
@@ -330,7 +314,7 @@ bool GeneralContact::look_beyond(std::size_t i, int slot, const NodalState& stat
   for (int j = 0; j < touches.size; ++j)
     if (!closed || !own[touches.all[j].slot].spring.closed)
       planes[num_planes++] = {touches.all[j].normal, touches.all[j].gap};
-  for (std::int32_t k = _starts[i]; k < _starts[i + 1] && count < most_ends; ++k)
+  for (std::int32_t k = _starts[i]; k < _starts[i + 1]; ++k)
   {
     const std::size_t f = _list[k];
     double corners[4][D];
@@ -340,7 +324,7 @@ bool GeneralContact::look_beyond(std::size_t i, int slot, const NodalState& stat
       continue;
     if (loop::dot<D>(at.away, at.normal) < 0.0 && behind_neighbours<D>(f, x, at))
       continue;
-    End end;
+    FacetEnd<D> end;
     end.at = loop::beyond_end<D>(corners, num, x, at);
     const double gap = end.at.gap, height = height_of(f);
     end.slack = shallow_part * height;
@@ -360,12 +344,12 @@ bool GeneralContact::look_beyond(std::size_t i, int slot, const NodalState& stat
     end.touch.slot = slot;
     std::copy_n(end.at.weights, 4, end.touch.weights);
     std::copy_n(end.at.normal, D, end.touch.normal);
-    ends[count++] = end;
+    ends.push_back(end);
   }
-  const auto ends_at = [](const End& end, const loop::FootPlane& plane)
+  const auto ends_at = [](const FacetEnd<D>& end, const loop::FootPlane& plane)
   { return loop::ends_at<D>(end.at, plane, end.slack, sliding); };
   const Touch* best = nullptr;
-  for (int a = 0; a < count; ++a)
+  for (std::size_t a = 0; a < ends.size(); ++a)
   {
     bool ends_there = false, corner = true;
     for (int j = 0; j < num_planes && !ends_there; ++j)
@@ -375,9 +359,9 @@ bool GeneralContact::look_beyond(std::size_t i, int slot, const NodalState& stat
     if (!corner)
       continue;
     // Two facets that both end where the node is, where nothing holds it yet.
-    for (int b = 0; b < count && !closed && touches.size == 0 && !ends_there; ++b)
+    for (std::size_t b = 0; b < ends.size() && !closed && touches.size == 0 && !ends_there; ++b)
     {
-      const End& other = ends[b];
+      const FacetEnd<D>& other = ends[b];
       ends_there = b != a && ends_at(ends[a], {other.touch.normal, other.touch.gap}) &&
                    ends_at(other, {ends[a].touch.normal, ends[a].touch.gap}) &&
                    in_corner<D>(x, ends[a].touch, other.touch);

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "GeneralSearch.h"
-#include "../../common/agree.h"
 #include "../../common/vectors.h"
-#include "../../operators/RigidBodyModes.h"
 #include "../../operators/nodal_sums.h"
-#include "../../surface/cell_heights.h"
 #include "../closest_point/edge_normals.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
+#include <mpi.h>
 
 namespace dolfinx_impact::search
 {
@@ -18,12 +14,13 @@ namespace
 {
 /// Cosine of the angle between outward normals up to which surfaces face each other.
 constexpr double facing = -0.1;
-/// Bits of a double's mantissa are the named surfaces, two for each pair.
-constexpr std::size_t most_pairs = 26;
+/// Angle by which the normals of a facet turn up to which it counts as flat [rad].
+constexpr double flat = 0.05;
+/// A point is not over a flat facet whose reference coordinates it is beside by more than this: other facets are
+/// closer.
+constexpr double beside_flat = 0.5;
 /// A point is closer to one of two facets if its distances differ by more than this part.
 constexpr double equally_near = 1e-9;
-/// Power of the mean that stands for the smallest height at a node: sums over ranks make it.
-constexpr int power = 8;
 /// Entries by node.
 enum Entry
 {
@@ -32,52 +29,36 @@ enum Entry
   group_entry,
   num_entries
 };
+
+/// Centre of a flat facet, and the vectors dual to its tangents there.
+void set_plane(int gdim, const surface::FacetPoint& centre, double* plane)
+{
+  const double *a = centre.tangents[0], *b = centre.tangents[1];
+  const bool curve = gdim == 2;
+  const double aa = dot(a, a, gdim), bb = curve ? 1.0 : dot(b, b, gdim), ab = curve ? 0.0 : dot(a, b, gdim);
+  const double det = aa * bb - ab * ab;
+  std::copy_n(centre.x, gdim, plane);
+  for (int c = 0; c < gdim && det > 0.0; ++c)
+  {
+    plane[gdim + c] = (bb * a[c] - (curve ? 0.0 : ab * b[c])) / det;
+    plane[2 * gdim + c] = curve ? 0.0 : (aa * b[c] - ab * a[c]) / det;
+  }
+}
 } // namespace
 
 GeneralSearch::GeneralSearch(std::shared_ptr<const surface::FunctionSpace> V, const surface::Facets& facets,
                              std::span<const NamedPair> named)
-    : _space(std::move(V)), _num_named(named.size()), _gdim(facets.gdim)
+    : _space(std::move(V)), _surface(*_space, facets, named), _gdim(facets.gdim)
 {
-  common::agree(_space->mesh()->comm(),
-                [&]
-                {
-                  if (named.size() > most_pairs)
-                    throw std::invalid_argument("general contact beside " + std::to_string(named.size()) +
-                                                " pairs of surfaces: it can leave out " + std::to_string(most_pairs));
-                });
-  const auto map = _space->dofmap()->index_map;
-  const std::size_t owned = map->size_local(), all = owned + map->num_ghosts();
-  const std::vector<double> heights = surface::cell_heights(*_space, facets);
-  double size = 0.0;
-  for (const double height : heights)
-    size = std::max(size, height);
-  MPI_Allreduce(MPI_IN_PLACE, &size, 1, MPI_DOUBLE, MPI_MAX, _space->mesh()->comm());
-  _highest = size;
-  std::vector<double> powers(all, 0.0);
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    for (int i = 0; i < facets.displacement.num_nodes(); ++i)
-      powers[facets.nodes_of(f)[i]] += std::pow(size / heights[f], power);
-  powers = operators::sum_over_ranks(map, std::move(powers), 1);
-  const operators::Bodies bodies = operators::bodies(*_space);
-  _num_bodies = bodies.count;
-  _owned.assign(owned * num_entries, 0.0);
-  for (std::size_t node = 0; node < owned; ++node)
+  for (const double height : _surface.height)
+    _highest = std::max(_highest, height);
+  MPI_Allreduce(MPI_IN_PLACE, &_highest, 1, MPI_DOUBLE, MPI_MAX, _space->mesh()->comm());
+  for (std::size_t node = 0; node < _surface.height.size(); ++node)
   {
-    _owned[node * num_entries + body_entry] = bodies.number[node];
-    _owned[node * num_entries + height_entry] = powers[node] > 0.0 ? size * std::pow(powers[node], -1.0 / power) : 0.0;
+    _owned.push_back(_surface.body[node]);
+    _owned.push_back(_surface.height[node]);
+    _owned.push_back(double(_surface.groups[node]));
   }
-  double bit = 1.0;
-  for (const NamedPair& pair : named)
-    for (const surface::Facets* side : {&pair.slave, &pair.master})
-    {
-      std::vector<double> at(all, 0.0);
-      for (const std::int32_t node : side->nodes)
-        at[node] = 1.0;
-      at = operators::sum_over_ranks(map, std::move(at), 1);
-      for (std::size_t node = 0; node < owned; ++node)
-        _owned[node * num_entries + group_entry] += at[node] > 0.0 ? bit : 0.0;
-      bit *= 2.0;
-    }
 }
 
 GeneralSearch::FacetValues GeneralSearch::values_of(const surface::Facets& facets,
@@ -125,6 +106,7 @@ void GeneralSearch::update(PairSearch& pair, std::span<const double> start)
   const surface::Facets& m = pair.master();
   _master.normal.resize(m.size() * _gdim);
   _master.facing.resize(m.size());
+  _master.plane.assign(m.size() * 3 * _gdim, 0.0);
   for (std::size_t f = 0; f < m.size(); ++f)
   {
     const surface::FacetPoint centre = surface::evaluate(m, f, m.x_of(f), m.geometry.centre().data());
@@ -135,25 +117,32 @@ void GeneralSearch::update(PairSearch& pair, std::span<const double> start)
                        dot(surface::evaluate(m, f, m.x_of(f), m.geometry.node(i).data()).normal, centre.normal, _gdim));
     const double turn = std::acos(std::clamp(least, -1.0, 1.0)) + 1e-6;
     _master.facing[f] = std::cos(std::max(0.0, std::acos(facing) - turn));
+    if (turn < flat)
+      set_plane(_gdim, centre, _master.plane.data() + f * 3 * _gdim);
   }
   _motion = pair.motion();
 }
 
-/// Are the surfaces of two facets, by their bits, those of a pair?
-bool GeneralSearch::named(std::int64_t mine, std::int64_t its) const
-{
-  for (std::size_t pair = 0; pair < _num_named; ++pair)
-  {
-    const std::int64_t slave = std::int64_t(1) << (2 * pair), master = slave << 1;
-    if (((mine & slave) && (its & master)) || ((mine & master) && (its & slave)))
-      return true;
-  }
-  return false;
-}
-
 bool GeneralSearch::leaves_out(std::int32_t first, std::int32_t second) const
 {
-  return named(_master.group[first], _master.group[second]);
+  return _surface.left_out(_master.group[first], _master.group[second]);
+}
+
+/// Is a point so far beside a flat facet that it is not over it?
+bool GeneralSearch::far_beside(std::int32_t facet, const double* x) const
+{
+  const surface::FacetElement& element = _now->master().geometry;
+  const double* plane = _master.plane.data() + std::size_t(facet) * 3 * _gdim;
+  const auto centre = element.centre();
+  double xi[2] = {centre[0], centre[1]}, size = 0.0;
+  for (int k = 0; k < element.tdim(); ++k)
+    for (int c = 0; c < _gdim; ++c)
+    {
+      const double along = plane[(1 + k) * _gdim + c];
+      xi[k] += along * (x[c] - plane[c]);
+      size += along * along;
+    }
+  return size > 0.0 && !element.inside(xi, beside_flat);
 }
 
 /// May a point of one facet meet another facet, as far as both facets tell?
@@ -167,7 +156,7 @@ bool GeneralSearch::may_meet(std::int32_t own, std::int32_t other, const double*
     for (int j = 0; j < num; ++j)
       if (_own->nodes_of(own)[i] == m.nodes_of(other)[j])
         return false;
-  return !named(_slave.group[own], _master.group[other]);
+  return !_surface.left_out(_slave.group[own], _master.group[other]);
 }
 
 /// Has a point that is behind a facet come there through it, in this increment or before?
@@ -269,7 +258,7 @@ double GeneralSearch::overlap(const SearchingPoint& point, double reach) const
     const FacetProjection& at = nearest[k].second;
     Projection found;
     found.facet = facets[k];
-    if (at.distance <= reach && !named(_slave.group[point.facet], _master.group[found.facet]))
+    if (at.distance <= reach && !_surface.left_out(_slave.group[point.facet], _master.group[found.facet]))
       set_side(point, at, surface::evaluate(m, found.facet, m.x_of(found.facet), at.xi), found);
     if (found.gap < 0.0)
       out = std::max(out, -found.gap);
@@ -308,7 +297,7 @@ Projection GeneralSearch::project(const SearchingPoint& point, double reach, std
   };
   const auto visit = [&](std::int32_t f)
   {
-    if (may_meet(point.facet, f, point.normal))
+    if (may_meet(point.facet, f, point.normal) && !far_beside(f, point.x))
     {
       const FacetProjection at = project_on_facet(m.geometry, _gdim, m.x_of(f), point.x, _now->starts(f, point.x));
       Projection found;

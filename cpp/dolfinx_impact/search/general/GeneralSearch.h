@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../closest_point/PairSearch.h"
-#include "NamedPair.h"
+#include "SurfaceNodes.h"
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -54,7 +54,7 @@ public:
   /// Do two facets of the master belong to a pair of surfaces that is left to others?
   bool leaves_out(std::int32_t first, std::int32_t second) const;
   /// Number of bodies of the mesh.
-  int num_bodies() const { return _num_bodies; }
+  int num_bodies() const { return _surface.num_bodies; }
   /// Bodies of this rank's facets, and of the facets that they may meet after `update`.
   std::span<const std::int32_t> slave_bodies() const { return _slave.body; }
   std::span<const std::int32_t> master_bodies() const { return _master.body; }
@@ -73,18 +73,21 @@ private:
     std::vector<double> normal;      ///< at the centre, [f*gdim + c]; of the master alone
     /// Cosine between that normal and one of a point up to which no part of the facet faces the point; of the master.
     std::vector<double> facing;
+    /// Of flat facets of the master: the centre, and the vectors whose products with the way from there are the change
+    /// of the reference coordinates, [(f*3 + k)*gdim + c]; zero of others.
+    std::vector<double> plane;
   };
   FacetValues values_of(const surface::Facets& facets, std::span<const double> at_nodes) const;
-  bool named(std::int64_t mine, std::int64_t its) const;
+  bool far_beside(std::int32_t facet, const double* x) const;
   bool may_meet(std::int32_t own, std::int32_t other, const double* normal) const;
   bool came_through(const SearchingPoint& point, std::int32_t facet) const;
   bool set_side(const SearchingPoint& point, const FacetProjection& at, const surface::FacetPoint& p,
                 Projection& out) const;
 
   std::shared_ptr<const surface::FunctionSpace> _space;
-  std::size_t _num_named;
-  int _gdim, _num_bodies = 0;
-  std::vector<double> _owned; ///< body, height and group of owned nodes, [node*3 + k]
+  SurfaceNodes _surface;
+  int _gdim;
+  std::vector<double> _owned; ///< body, height and groups of owned nodes, [node*3 + k]
   std::shared_ptr<const Exchange> _exchange;
   const SurfaceSearch* _now = nullptr;
   const surface::Facets* _own = nullptr;

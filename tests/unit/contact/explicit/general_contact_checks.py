@@ -38,15 +38,19 @@ def plate(comm=COMM):
 
 
 def notch(comm=COMM, cell="triangle", speed=1.0):
-    """A block that falls with an edge into the notch between two others; mirrored about the plane x = 0."""
+    """A block that falls with an edge into the notch between two others; mirrored about the plane x = 0.
+
+    In the plane the two are a little apart: where their corners had the same place, round-off would decide whether they
+    touch.
+    """
     dim = 2 if cell in ("triangle", "quadrilateral") else 3
     half = np.sqrt(0.5)
 
-    def turned(low, high, lift=0.0):
+    def turned(low, high, lift=0.0, aside=0.0):
         def place(p):
             q = low + p * (np.asarray(high) - low)
             x = q.copy()
-            x[:, 0], x[:, -1] = half * (q[:, 0] - q[:, -1]), half * (q[:, 0] + q[:, -1]) + lift
+            x[:, 0], x[:, -1] = half * (q[:, 0] - q[:, -1]) + aside, half * (q[:, 0] + q[:, -1]) + lift
             return x
 
         return place
@@ -61,7 +65,7 @@ def notch(comm=COMM, cell="triangle", speed=1.0):
     deep[0] = deep[-1] = 0.7
     if dim == 3:
         low[1], high[1] = 0.0, 1.0
-    right = turned(low, high)
+    right = turned(low, high, aside=0.002 if dim == 2 else 0.0)
     start = np.array([0.0, *([0.1] if dim == 3 else []), 0.0])
     block = turned(start, start + deep, 0.005)
     counts = (4, 4) if dim == 2 else (3, 2, 3)
