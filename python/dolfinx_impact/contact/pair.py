@@ -200,6 +200,10 @@ class ContactPair(Fixed):
 
     def _check(self, facet_tags: Any, slave: Any, master: Any, friction: Any, search_distance: Any) -> None:
         """Check the arguments of a pair, on this rank."""
+        if isinstance(slave, (_Rigid, RigidBody)):
+            raise TypeError(
+                f"slave is a {type(slave).__name__}: what is rigid is the master, and the deformable surface the slave"
+            )
         self.facet_tags, self.slave = facet_tags_of("ContactPair", facet_tags), _tag(slave)
         self.master = _checked_master(master)
         self.rigid = isinstance(master, _Rigid)

@@ -32,6 +32,10 @@ def test_pairs_that_make_no_sense():
         di.ContactPair([3, 4], 3, 4)
     with pytest.raises(TypeError, match="integer"):
         di.ContactPair(tags, "slave", 4)
+    ball = di.RigidSphere((0.0, 2.0), 1.0)
+    for rigid in (ball, di.RigidBody(ball, mass=1.0)):
+        with pytest.raises(TypeError, match="what is rigid is the master, and the deformable surface the slave"):
+            di.ContactPair(tags, rigid, 3)
     with pytest.raises(ValueError, match="search_distance"):
         di.ContactPair(tags, 3, 4, search_distance=-1.0)
     for method in (di.Lagrange, di.Penalty):
