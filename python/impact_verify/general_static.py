@@ -99,7 +99,7 @@ def compare(report: Report, cell: str, hypothesis: str, degree: int, seed: int =
     rows("general_static_gap", np.where(closed, ours.gap, 0.0), np.where(closed, gap, 0.0))
     rows("general_static_normal", ours.normal[closed], normal[closed])
     rows("general_static_status", ours.status, status)
-    rows("general_static_pressure", ours.pressure, pressure)
+    rows("general_static_pressure", ours.pressure, 2.0 * pressure)  # ours are those of both ways
     force = results[0].force + results[1].force
     rows("general_static_force", ours.contact_forces(), body.to_ours(force))
     tangent = differences.petsc_to_scipy(ours.tangent()).toarray()

@@ -14,12 +14,14 @@ from ..general_surface import GeneralSurface
 from ..protocol import StaticContactProblem
 from .quadrature_penalty import QuadraturePenalty
 
+SIDES = 2.0  # whose points press, each with half of the penalty
+
 
 class StaticGeneral(QuadraturePenalty):
     """General contact of a static or implicit problem; points are the quadrature points of this rank's facets.
 
-    Each point has the pressure with which it is pressed on the facet that it has come through. That is half of the
-    pressure between both surfaces, as points of the other one press on its facet as well: `force_on` adds up both.
+    A point has half of the penalty, as points of the other surface press as well. Its pressure and its traction are
+    twice those of its spring, so that they are what both surfaces transmit where both are pressed alike.
 
     Args:
         pair: the surface.
@@ -63,6 +65,14 @@ class StaticGeneral(QuadraturePenalty):
 
     def facets(self) -> tuple[Any, Any]:
         return self.slave, None
+
+    @property
+    def pressure(self) -> FloatArray:
+        return SIDES * super().pressure
+
+    @property
+    def traction(self) -> FloatArray:
+        return SIDES * super().traction
 
     @property
     def deepest(self) -> float:

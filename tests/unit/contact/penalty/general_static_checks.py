@@ -145,6 +145,8 @@ def check_boxes_carry_the_load():
             np.testing.assert_allclose(on[-1], 20.0 * area, rtol=1e-9)
             np.testing.assert_allclose(contact.force_on(2), -contact.force_on(1), rtol=0.0, atol=1e-9)
             assert boxes.imbalance(problem) < 1e-6
+            # Pressures of both surfaces; normals turn by a hundredth, whose square does not count.
+            np.testing.assert_allclose(boxes.sum(contact.pressure @ contact.weight), 2 * 20.0 * area, rtol=1e-3)
             exact, same = pressed_boxes(dim, degree, cell, lambda t: [di.Lagrange(di.ContactPair(t, 1, 2))])
             same.solve(progress=False)
             # The pressure over half of the penalty, twice: once for each way.
