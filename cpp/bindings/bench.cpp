@@ -1,11 +1,18 @@
 // SPDX-License-Identifier: MIT
+#include "arrays.h"
 #include "dolfinx_impact/common/machine.h"
+#include "hand_written/HandWrittenStep.h"
 #include "module.h"
 #include <dolfinx/fem/Form.h>
 #include <dolfinx/fem/utils.h>
 #include <memory>
 
 namespace nb = nanobind;
+using dolfinx_impact::bindings::Indices;
+using dolfinx_impact::bindings::take;
+using dolfinx_impact::bindings::Values;
+using dolfinx_impact::bindings::view;
+using dolfinx_impact::hand_written::HandWrittenStep;
 
 namespace
 {
@@ -36,4 +43,22 @@ void dolfinx_impact::bindings::bench(nb::module_& m)
   nb::class_<Packed>(m, "Packed", "Coefficients of a DOLFINx form, packed into storage that is reused")
       .def(nb::init<std::shared_ptr<const dolfinx::fem::Form<double>>>(), nb::arg("form"))
       .def("pack", &Packed::pack);
+  nb::class_<HandWrittenStep>(m, "HandWrittenStep",
+                              "Central differences of a linear elastic body, written by hand for one cell and one law")
+      .def(
+          "__init__",
+          [](HandWrittenStep* self, Values x, Indices cells, int nodes_per_cell, double mu, double lambda, Values mass,
+             int width)
+          {
+            new (self) HandWrittenStep(view(x), {cells.data(), cells.size()}, nodes_per_cell, {mu, lambda}, view(mass),
+                                       width);
+          },
+          nb::arg("x"), nb::arg("cells"), nb::arg("nodes_per_cell"), nb::arg("mu"), nb::arg("lambda_"), nb::arg("mass"),
+          nb::arg("width"))
+      .def(
+          "start", [](HandWrittenStep& self, Values u, Values v) { self.start(view(u), view(v)); }, nb::arg("u"),
+          nb::arg("v"))
+      .def("run", &HandWrittenStep::run, nb::arg("num_steps"), nb::arg("step"))
+      .def(
+          "displacement", [](const HandWrittenStep& self) { return take(self.displacement()); }, nb::rv_policy::move);
 }

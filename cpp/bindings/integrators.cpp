@@ -109,13 +109,7 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
           "support_forces", [](CentralDifference& self) { return take(self.support_forces()); }, nb::rv_policy::move,
           "Forces of the supports on the bodies, owned. Collective")
       .def(
-          "displacement",
-          [](const CentralDifference& self)
-          {
-            const auto u = self.displacement();
-            return take(std::vector<double>(u.begin(), u.end()));
-          },
-          nb::rv_policy::move)
+          "displacement", [](const CentralDifference& self) { return take(self.displacement()); }, nb::rv_policy::move)
       .def("saved_state", &CentralDifference::saved_state, "What the run goes on from beside contacts and materials")
       .def("empty_state", &CentralDifference::empty_state, "A state of that structure, of zeros")
       .def("resume", &CentralDifference::resume, nb::arg("saved"), "Go on from what saved_state has returned")

@@ -124,7 +124,7 @@ TEST_CASE("the work of a force term is that of the trapezoidal rule")
   SECTION("another term goes on from what was saved")
   {
     ForceTerm other(square.forms(), WorkKind::damping, fields);
-    other.restore(term.saved_force(fields), term.work, term.position());
+    other.restore(fields, term.saved_force(fields), term.work, term.position());
     CHECK(other.position() == term.position());
     term.work_of_step(fields, dt);
     other.work_of_step(fields, dt);

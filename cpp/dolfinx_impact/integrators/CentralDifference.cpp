@@ -18,8 +18,10 @@ constexpr int steps_per_look = 4;
 
 CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
-    : _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs()), _internal(std::move(internal)), _alpha(alpha),
-      _scheme(scheme), _loads(_fields.owned), _contact(V->dofmap()->index_map->comm()),
+    : _positions(V), _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs(),
+                                // kernels read whole nodes where the space has those as blocks
+                                V->dofmap()->bs() == V->dofmap()->index_map_bs()),
+      _internal(std::move(internal)), _alpha(alpha), _scheme(scheme), _loads(_fields.owned_entries), _contact(V->dofmap()->index_map->comm()),
       _energies(V->dofmap()->index_map->comm(),
                 _internal.has_history() ? InternalEnergy::elastic
                 : linear                ? InternalEnergy::quadratic
@@ -33,8 +35,17 @@ CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>&
     _largest_coordinate = std::max(_largest_coordinate, std::abs(x));
   _internal.check();
   _internal.read(_fields);
-  std::copy(mass.begin(), mass.end(), _fields.mass.begin());
-  std::transform(mass.begin(), mass.end(), _fields.inverse.begin(), [](double m) { return 1.0 / m; });
+  _internal.read_positions(_positions);
+  _fields.spread(mass, _fields.mass);
+  for (std::size_t i = 0; i < mass.size(); ++i)
+    _fields.inverse[_fields.entry(i)] = 1.0 / mass[i];
+}
+
+std::vector<std::int32_t> CentralDifference::entries(std::span<const std::int32_t> dofs) const
+{
+  std::vector<std::int32_t> out(dofs.size());
+  std::ranges::transform(dofs, out.begin(), [this](std::int32_t dof) { return std::int32_t(_fields.entry(dof)); });
+  return out;
 }
 
 // --- set-up
@@ -43,11 +54,12 @@ CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>&
 void CentralDifference::add_term(FormForces forces, WorkKind kind)
 {
   _terms.emplace_back(std::move(forces), kind, _fields);
+  _terms.back().read_positions(_positions);
 }
 
 void CentralDifference::add_load(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
 {
-  _loads.add(dofs, values, amplitude);
+  _loads.add(entries(dofs), values, amplitude);
 }
 
 void CentralDifference::set_load(std::size_t i, std::span<const double> values)
@@ -57,10 +69,11 @@ void CentralDifference::set_load(std::size_t i, std::span<const double> values)
 
 void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
 {
-  _prescribed.add(dofs, values, amplitude);
-  for (std::int32_t dof : dofs)
-    _fields.inverse.at(dof) = 0.0;
-  _fields.halo->forward(_fields.inverse, _fields.bs);
+  const std::vector<std::int32_t> places = entries(dofs);
+  _prescribed.add(places, values, amplitude);
+  for (const std::int32_t place : places)
+    _fields.inverse.at(place) = 0.0;
+  _fields.halo->forward(_fields.inverse, _fields.bs, _fields.stride);
 }
 
 void CentralDifference::add_contact(enforcement::NodalPair pair, std::array<int, 3> columns,
@@ -78,10 +91,11 @@ void CentralDifference::start(std::span<const double> u, std::span<const double>
 {
   if (u.size() != _fields.owned || v.size() != _fields.owned)
     throw std::invalid_argument("start takes the owned entries of displacement and velocity");
-  std::copy(u.begin(), u.end(), _fields.u.begin());
-  std::copy(v.begin(), v.end(), _fields.v.begin());
-  _fields.halo->forward(_fields.u, _fields.bs);
-  _fields.halo->forward(_fields.v, _fields.bs);
+  _positions.update();
+  _fields.spread(u, _fields.u);
+  _fields.spread(v, _fields.v);
+  _fields.halo->forward(_fields.u, _fields.bs, _fields.stride);
+  _fields.halo->forward(_fields.v, _fields.bs, _fields.stride);
   _fields.exchanging = false;
   std::fill(_fields.r.begin(), _fields.r.end(), 0.0);
   for (ForceTerm& term : _terms)
@@ -98,7 +112,9 @@ void CentralDifference::set_watch(std::span<const double> u, std::span<const dou
 {
   if (!_watch)
     throw std::invalid_argument("there is no watch");
-  _watch->set(u.first(_fields.own), allowed);
+  AlignedVector own(_fields.own_entries, 0.0);
+  _fields.spread(u.first(_fields.own), own);
+  _watch->set(own, allowed);
   _far = _deformed = false;
 }
 
@@ -106,14 +122,16 @@ std::vector<double> CentralDifference::deformations(std::span<const double> u)
 {
   if (!_watch)
     throw std::invalid_argument("there is no watch");
-  return _watch->deformations(u);
+  AlignedVector own(_fields.own_entries, 0.0);
+  _fields.spread(u.first(_fields.own), own);
+  return _watch->deformations(own);
 }
 
 /// Mass times the square of what rounding does to a position, of all ranks.
 double CentralDifference::uncertainty() const
 {
   double mass = 0.0, largest = 0.0;
-  for (std::size_t i = 0; i < _fields.owned; ++i)
+  for (std::size_t i = 0; i < _fields.owned_entries; ++i)
   {
     mass += _fields.mass[i];
     largest = std::max(largest, std::abs(_fields.u[i]));
@@ -150,7 +168,7 @@ void CentralDifference::fields_changed()
 bool CentralDifference::evaluate()
 {
   _contact.check_step();
-  _internal.inner->assemble({_fields.r.data(), _fields.own});
+  assemble(*_internal.inner, _fields, _fields.r);
   _fields.end_exchange(_last_step);
   const bool stable = _energies.end_sum();
   _deformed = _deformed || _energies.deformed();
@@ -161,7 +179,7 @@ bool CentralDifference::evaluate()
     term.work_of_step(_fields, _last_step);
   if (_contact.work_of_step(_fields, _last_step))
     fields_changed();
-  _internal.outer->assemble({_fields.r.data(), _fields.own});
+  assemble(*_internal.outer, _fields, _fields.r);
   _energies.set_materials(_internal.elastic_energy(), _internal.num_unsolved());
   _internal.commit();
   for (ForceTerm& term : _terms)
@@ -177,8 +195,8 @@ bool CentralDifference::evaluate()
 /// Ghosts' contributions go to the owners.
 void CentralDifference::complete_residual()
 {
-  _fields.halo->reverse(_fields.r, _fields.bs);
-  std::fill(_fields.r.begin() + _fields.owned, _fields.r.end(), 0.0);
+  _fields.halo->reverse(_fields.r, _fields.bs, _fields.stride);
+  std::fill(_fields.r.begin() + _fields.owned_entries, _fields.r.end(), 0.0);
 }
 
 void CentralDifference::advance(double dt, const double* amplitudes)
@@ -188,7 +206,7 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   const double mean_step = 0.5 * (_last_step + dt);
   _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
   _contact.keep(f);
-  Sums sums = update(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());
+  Sums sums = update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());
   const PrescribedMotion::Power power =
       _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
   _contact.advance_bodies(dt, mean_step, _last_step == 0.0);
@@ -220,7 +238,7 @@ bool CentralDifference::look()
   if (!_watch || !_watch->is_set() || ++_unwatched < steps_per_look)
     return false;
   _unwatched = 0;
-  return _watch->passed({_fields.u.data(), _fields.own});
+  return _watch->passed({_fields.u.data(), _fields.own_entries});
 }
 
 bool CentralDifference::passed() const
@@ -243,6 +261,7 @@ int CentralDifference::run(std::span<const double> steps, std::span<const double
       throw std::invalid_argument("a step is " + std::to_string(dt) + ": it must be positive");
   const History rows(history, _contact.size());
   _stop = _stopped = false;
+  _positions.update();
   _loads.apply(table.data());
   _contact.apply_loads(table.data());
   if (_last_step == 0.0)
@@ -291,13 +310,14 @@ void CentralDifference::revise()
   // Friction has its history: the forces of springs are not computed twice.
   const std::vector<double> springs = _contact.forces(_fields).springs;
   std::fill(_fields.r.begin(), _fields.r.end(), 0.0);
+  _positions.update();
   for (const auto& operation : {_internal.inner, _internal.outer})
-    operation->assemble({_fields.r.data(), _fields.own});
+    assemble(*operation, _fields, _fields.r);
   for (ForceTerm& term : _terms)
     term.evaluate(_fields, _last_step);
   complete_residual();
   for (std::size_t i = 0; i < _fields.owned; ++i)
-    _fields.r[i] -= springs[i];
+    _fields.r[_fields.entry(i)] -= springs[i];
 }
 
 // --- the present time level
@@ -309,11 +329,23 @@ Energies CentralDifference::energies()
     evaluate();
   const NodalFields& f = _fields;
   Sums sums =
-      measure(f.owned, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(), f.v.data());
+      measure(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(), f.v.data());
   const double power = _prescribed.power(_last_step, _alpha, _beyond.data(), f.mass.data(), _loads, f.u.data(),
                                          f.v.data(), f.r.data(), sums);
   _contact.measure_bodies(_last_step > 0.0 ? _last_step : 0.0, _last_step == 0.0);
   return _energies.energies(sums, power, {_last_step, _last_step}, _terms, _contact);
+}
+
+/// Kinematic contact and ties know their forces once the step is predicted: those of the last step, empty without.
+AlignedVector CentralDifference::kinematic_forces()
+{
+  AlignedVector out;
+  if (_contact.has_corrections())
+  {
+    out.resize(_fields.owned_entries);
+    _fields.spread(_contact.forces(_fields).kinematic, out);
+  }
+  return out;
 }
 
 void CentralDifference::motion(std::span<double> v, std::span<double> a)
@@ -325,43 +357,45 @@ void CentralDifference::motion(std::span<double> v, std::span<double> a)
   const double dt = _last_step;
   const Coefficients c = coefficients(dt);
   const NodalFields& fields = _fields;
-  // Kinematic contact and ties know their forces once the step is predicted: those of the last step.
-  std::vector<double> kinematic;
-  if (_contact.has_corrections())
-    kinematic = _contact.forces(_fields).kinematic;
-  for (std::size_t i = 0; i < fields.owned; ++i)
+  const AlignedVector kinematic = kinematic_forces();
+  AlignedVector accelerations(fields.owned_entries, 0.0);
+  for (std::size_t i = 0; i < accelerations.size(); ++i)
   {
     const double force = _loads.force(i) - fields.r[i] + (kinematic.empty() ? 0.0 : kinematic[i]);
     const double f = fields.inverse[i] * force;
     if (fields.inverse[i] > 0.0)
-      a[i] = dt > 0.0 ? ((c.keep - 1.0) * fields.v[i] + c.push * f) / dt : f - _alpha * fields.v[i];
-    else
-      a[i] = 0.0;
+      accelerations[i] = dt > 0.0 ? ((c.keep - 1.0) * fields.v[i] + c.push * f) / dt : f - _alpha * fields.v[i];
   }
-  _prescribed.accelerations(dt, _beyond.data(), fields.u.data(), fields.v.data(), a.data());
+  _prescribed.accelerations(dt, _beyond.data(), fields.u.data(), fields.v.data(), accelerations.data());
+  fields.collect(accelerations, a);
+  fields.collect({fields.v.data(), fields.owned_entries}, v);
   for (std::size_t i = 0; i < fields.owned; ++i)
-    v[i] = fields.v[i] + 0.5 * dt * a[i];
+    v[i] += 0.5 * dt * a[i];
 }
 
 std::vector<double> CentralDifference::support_forces()
 {
   std::vector<double> v(_fields.owned), a(_fields.owned), out(_fields.owned, 0.0);
   motion(v, a);
-  std::vector<double> kinematic;
-  if (_contact.has_corrections())
-    kinematic = _contact.forces(_fields).kinematic;
-  for (std::size_t i = 0; i < out.size(); ++i)
-    if (!(_fields.inverse[i] > 0.0))
-      out[i] = _fields.mass[i] * (a[i] + _alpha * _fields.v[i]) + _fields.r[i] - _loads.force(i) -
-               (kinematic.empty() ? 0.0 : kinematic[i]);
+  const AlignedVector kinematic = kinematic_forces();
+  AlignedVector forces(_fields.owned_entries, 0.0);
+  _fields.spread(a, forces);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    if (_fields.inverse[i] > 0.0)
+      forces[i] = 0.0;
+    else
+      forces[i] = _fields.mass[i] * (forces[i] + _alpha * _fields.v[i]) + _fields.r[i] - _loads.force(i) -
+                  (kinematic.empty() ? 0.0 : kinematic[i]);
+  _fields.collect(forces, out);
   return out;
 }
 
 std::pair<std::int32_t, double> CentralDifference::fastest() const
 {
   std::pair<std::int32_t, double> found{-1, -1.0};
+  const std::vector<double> velocities = _fields.owned_values(_fields.v);
   for (std::size_t i = 0; i < _fields.owned; ++i)
-    if (const double v = _fields.v[i]; !(std::abs(v) <= found.second))
+    if (const double v = velocities[i]; !(std::abs(v) <= found.second))
     {
       found = {std::int32_t(i), std::abs(v)};
       if (std::isnan(v))
@@ -374,13 +408,11 @@ state::State CentralDifference::saved_state()
 {
   if (!_evaluated)
     evaluate();
-  const auto owned = [this](const std::vector<double>& a)
-  { return std::vector<double>(a.begin(), a.begin() + _fields.owned); };
   ContactNodes::Forces contact = _contact.forces(_fields);
   auto saved = std::make_shared<RunState>(_fields.owned, _terms.size(), _contact.size(), _contact.num_bodies());
-  saved->u = owned(_fields.u);
-  saved->v = owned(_fields.v);
-  saved->r = owned(_fields.r);
+  saved->u = _fields.owned_values(_fields.u);
+  saved->v = _fields.owned_values(_fields.v);
+  saved->r = _fields.owned_values(_fields.r);
   for (std::size_t k = 0; k < _terms.size(); ++k)
     saved->terms[k] = {_terms[k].saved_force(_fields), _terms[k].work, _terms[k].position()};
   saved->springs = {std::move(contact.springs), _contact.spring_work(), _contact.spring_position()};
@@ -413,9 +445,9 @@ void CentralDifference::resume(const state::State& saved)
   run.bodies = _contact.bodies();
   run.state(_fields.bs).assign(saved);
   start(run.u, run.v);
-  std::copy(run.r.begin(), run.r.end(), _fields.r.begin());
+  _fields.spread(run.r, _fields.r);
   for (std::size_t k = 0; k < _terms.size(); ++k)
-    _terms[k].restore(run.terms[k].force, run.terms[k].work, run.terms[k].position);
+    _terms[k].restore(_fields, run.terms[k].force, run.terms[k].work, run.terms[k].position);
   _contact.restore({run.springs.force, run.kinematic}, run.springs.work, run.springs.position, run.obstacle_work,
                    run.obstacles, run.bodies);
   _energies.restore(run.energies);

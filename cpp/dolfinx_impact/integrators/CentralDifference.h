@@ -66,7 +66,7 @@ public:
   /// @param[in] nodes, nodes_per_cell see DeformationWatch
   void add_watch(std::span<const std::int32_t> nodes, int nodes_per_cell)
   {
-    _watch.emplace(nodes, nodes_per_cell, _fields.bs);
+    _watch.emplace(nodes, nodes_per_cell, _fields.bs, _fields.stride);
   }
 
   // --- the run ----------------------------------------------------------------------------------------------------
@@ -110,7 +110,7 @@ public:
   /// Bring the gaps of all contacts' nodes up to date.
   void update_gaps() { _contact.update_gaps(); }
   /// Owned displacements [L].
-  std::span<const double> displacement() const { return {_fields.u.data(), _fields.owned}; }
+  std::vector<double> displacement() const { return _fields.owned_values(_fields.u); }
   /// Owned degree of freedom that moves fastest or is not a number, and its speed: where an unstable run broke.
   std::pair<std::int32_t, double> fastest() const;
 
@@ -144,6 +144,8 @@ public:
 
 private:
   Coefficients coefficients(double dt) const;
+  AlignedVector kinematic_forces();
+  std::vector<std::int32_t> entries(std::span<const std::int32_t> dofs) const;
   double uncertainty() const;
   void fields_changed();
   bool evaluate();
@@ -153,6 +155,7 @@ private:
   bool look();
   bool passed() const;
 
+  operators::NodePositions _positions; ///< of the undeformed mesh, as it is when a run begins
   NodalFields _fields;
   FormForces _internal;
   double _alpha;

@@ -112,12 +112,13 @@ void ContactForces::search(NodalFields& fields, double last_step)
   const std::span<const std::int64_t> ghosts = space.ghosts();
   std::vector<std::int64_t> known(ghosts.begin(), ghosts.end());
   std::sort(known.begin(), known.end());
-  std::vector<double> du(fields.v.begin(), fields.v.begin() + fields.owned);
+  const std::vector<double> u = fields.owned_values(fields.u), inverse = fields.owned_values(fields.inverse);
+  std::vector<double> du = fields.owned_values(fields.v);
   for (double& value : du)
     value *= last_step > 0.0 ? last_step : _step;
   for (enforcement::NodalContact* contact : _directions)
   {
-    contact->search({fields.u.data(), fields.owned}, du);
+    contact->search(u, du);
     const auto nodes = contact->remote_nodes();
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (!std::binary_search(known.begin(), known.end(), nodes[k]))
@@ -136,7 +137,7 @@ void ContactForces::search(NodalFields& fields, double last_step)
   for (enforcement::NodalContact* contact : _directions)
     contact->assign_numbers(*_nodes.halo(), _nodes.numbers(), _nodes.mass());
   _kinematic_step.assign_numbers(*fields.halo, *_nodes.halo(), _nodes.numbers());
-  _tie_step.assign_numbers(*_nodes.halo(), {fields.inverse.data(), fields.owned});
+  _tie_step.assign_numbers(*_nodes.halo(), inverse);
   _search_due = false;
 }
 
@@ -428,13 +429,13 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   const int bs = fields.bs;
   for (std::size_t k = 0; k < n.size(); ++k)
     for (int c = 0; c < bs; ++c)
-      fields.u[std::size_t(n.nodes()[k]) * bs + c] = n.u[k * bs + c];
+      fields.u[std::size_t(n.nodes()[k]) * fields.stride + c] = n.u[k * bs + c];
   fields.update_ghost_velocities(dt); // so far they are those of the prediction
   const std::size_t owned = n.halo()->num_owned();
   for (std::size_t k = 0; k < owned; ++k)
     for (int c = 0; c < bs; ++c)
     {
-      const std::size_t j = k * bs + c, i = std::size_t(n.nodes()[k]) * bs + c;
+      const std::size_t j = k * bs + c, i = std::size_t(n.nodes()[k]) * fields.stride + c;
       if (n.inverse[j] == 0.0)
         continue;
       const double m = 1.0 / n.inverse[j], predicted = n.v[j];

@@ -6,6 +6,17 @@
 
 namespace dolfinx_impact::integrators
 {
+namespace
+{
+/// Calls f<components, entries per node>().
+auto with_layout(const NodalFields& fields, const auto& f)
+{
+  return fields.bs == 2        ? f.template operator()<2, 2>()
+         : fields.is_padded() ? f.template operator()<3, 4>()
+                               : f.template operator()<3, 3>();
+}
+} // namespace
+
 void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
 {
   const Forces kept = forces(fields);
@@ -40,7 +51,7 @@ void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t>
   for (std::size_t k = 0; k < _nodes.size(); ++k)
   {
     _numbers[_nodes[k]] = std::int32_t(k);
-    _mass[k] = fields.mass[std::size_t(_nodes[k]) * bs];
+    _mass[k] = fields.mass[std::size_t(_nodes[k]) * fields.stride];
     global[_nodes[k]] = double(first + std::int64_t(k));
   }
   all.forward(global, 1);
@@ -64,7 +75,7 @@ void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t>
   for (std::size_t k = 0; k < _nodes.size(); ++k)
   {
     const std::size_t i = std::size_t(_nodes[k]) * bs;
-    std::copy_n(fields.inverse.data() + i, bs, inverse.data() + k * bs);
+    std::copy_n(fields.inverse.data() + fields.entry(i), bs, inverse.data() + k * bs);
     if (i < fields.owned)
     {
       std::copy_n(kept.springs.data() + i, bs, springs.data() + k * bs);
@@ -98,14 +109,14 @@ void ContactNodes::reset()
   _kept = {};
 }
 
-template <int D, bool kinematic_contact>
+template <int D, int stride, bool kinematic_contact>
 double ContactNodes::gather_all(const NodalFields& fields, double dt, bool with_springs)
 {
   double work[D] = {};
   for (std::size_t k = 0; k < _nodes.size(); ++k)
     for (int c = 0; c < D; ++c)
     {
-      const std::size_t i = std::size_t(_nodes[k]) * D + c, n = k * D + c;
+      const std::size_t i = std::size_t(_nodes[k]) * stride + c, n = k * D + c;
       u[n] = fields.u[i];
       du[n] = dt * fields.v[i];
       if constexpr (kinematic_contact)
@@ -118,29 +129,30 @@ double ContactNodes::gather_all(const NodalFields& fields, double dt, bool with_
 
 double ContactNodes::gather(const NodalFields& fields, double dt, bool with_springs)
 {
-  if (_kinematic)
-    return fields.bs == 2 ? gather_all<2, true>(fields, dt, with_springs)
-                          : gather_all<3, true>(fields, dt, with_springs);
-  return fields.bs == 2 ? gather_all<2, false>(fields, dt, with_springs)
-                        : gather_all<3, false>(fields, dt, with_springs);
+  return with_layout(fields,
+                    [&]<int D, int stride>()
+                    {
+                      return _kinematic ? gather_all<D, stride, true>(fields, dt, with_springs)
+                                        : gather_all<D, stride, false>(fields, dt, with_springs);
+                    });
 }
 
 ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
 {
-  const auto sweep = [&]<int D>()
+  const auto sweep = [&]<int D, int stride>()
   {
     double position[D] = {}, work[D] = {};
     for (std::size_t k = 0; k < _nodes.size(); ++k)
       for (int c = 0; c < D; ++c)
       {
         const double force = springs[k * D + c];
-        fields.r[std::size_t(_nodes[k]) * D + c] -= force;
+        fields.r[std::size_t(_nodes[k]) * stride + c] -= force;
         position[c] += force * u[k * D + c];
         work[c] += force * du[k * D + c];
       }
     return Products{std::accumulate(position, position + D, 0.0), std::accumulate(work, work + D, 0.0)};
   };
-  return fields.bs == 2 ? sweep.operator()<2>() : sweep.operator()<3>();
+  return with_layout(fields, sweep);
 }
 
 void ContactNodes::keep(const NodalFields& fields)
@@ -149,7 +161,7 @@ void ContactNodes::keep(const NodalFields& fields)
   for (std::size_t k = 0; k < _nodes.size(); ++k)
     for (int c = 0; c < bs; ++c)
     {
-      const std::size_t n = k * bs + c, i = std::size_t(_nodes[k]) * bs + c;
+      const std::size_t n = k * bs + c, i = std::size_t(_nodes[k]) * fields.stride + c;
       v_before[n] = fields.v[i];
       r_before[n] = fields.r[i];
     }

@@ -61,7 +61,7 @@ public:
   std::span<const std::int32_t> nodes() const { return _nodes; }
 
 private:
-  template <int D, bool kinematic>
+  template <int D, int stride, bool kinematic>
   double gather_all(const NodalFields& fields, double dt, bool springs);
 
   std::vector<std::int32_t> _nodes, _numbers;

@@ -15,7 +15,8 @@ public:
   /// @param[in] nodes of this rank's owned cells, cell by cell
   /// @param[in] nodes_per_cell number of each cell's nodes
   /// @param[in] bs components per node
-  DeformationWatch(std::span<const std::int32_t> nodes, int nodes_per_cell, int bs);
+  /// @param[in] stride entries per node of displacements
+  DeformationWatch(std::span<const std::int32_t> nodes, int nodes_per_cell, int bs, int stride);
 
   /// @param[in] u displacements from now on compared with, nodes of owned cells [L]
   /// @param[in] allowed deformation of each owned cell [L]
@@ -32,9 +33,9 @@ private:
   void move_to(std::span<const double> u);
 
   std::vector<std::int32_t> _nodes;
-  int _width, _bs;
+  int _width, _bs, _stride;
   bool _set = false;
-  std::vector<double> _reference, _moved; ///< by node and component
+  std::vector<double> _reference, _moved; ///< by node and entry
   std::vector<double> _allowed;           ///< by cell
 };
 } // namespace dolfinx_impact::integrators

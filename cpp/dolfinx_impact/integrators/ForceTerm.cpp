@@ -61,10 +61,25 @@ void FormForces::read(const NodalFields& fields) const
   for (InternalForce* operation : {inner.get(), outer.get()})
   {
     if (!displacement.empty())
-      operation->read(displacement, fields.u.data());
+      operation->read(displacement, fields.u.data(), fields.stride);
     if (!velocity.empty())
-      operation->read(velocity, fields.v.data());
+      operation->read(velocity, fields.v.data(), fields.stride);
   }
+}
+
+void FormForces::read_positions(const operators::NodePositions& positions) const
+{
+  for (InternalForce* operation : {inner.get(), outer.get()})
+    operation->read_positions(&positions);
+}
+
+void assemble(const InternalForce& operation, const NodalFields& fields, AlignedVector& values)
+{
+  const std::span<double> own(values.data(), fields.own_entries);
+  if (fields.is_padded())
+    operation.assemble_padded(own);
+  else
+    operation.assemble(own);
 }
 
 ForceTerm::ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields)
@@ -73,12 +88,12 @@ ForceTerm::ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields)
   if (kind == WorkKind::contact)
     throw std::invalid_argument("contacts are added by add_contact");
   _forms.check();
-  _dofs = _forms.inner->reached_dofs();
-  const std::vector<std::int32_t> outer = _forms.outer->reached_dofs();
-  _dofs.insert(_dofs.end(), outer.begin(), outer.end());
-  std::sort(_dofs.begin(), _dofs.end());
-  _dofs.erase(std::unique(_dofs.begin(), _dofs.end()), _dofs.end());
-  _few = _dofs.size() < few * fields.own;
+  for (const auto& operation : {_forms.inner, _forms.outer})
+    for (const std::int32_t dof : operation->reached_dofs())
+      _entries.push_back(std::int32_t(fields.entry(dof)));
+  std::sort(_entries.begin(), _entries.end());
+  _entries.erase(std::unique(_entries.begin(), _entries.end()), _entries.end());
+  _few = _entries.size() < few * fields.own;
   resize(fields);
 }
 
@@ -100,7 +115,7 @@ double ForceTerm::sum_with(std::size_t own, const double* values) const
   if (!_few || _gathered)
     return sum_of_products(own, _force.data(), values);
   double sum = 0.0;
-  for (const std::int32_t i : _dofs)
+  for (const std::int32_t i : _entries)
     sum += _force[i] * values[i];
   return sum;
 }
@@ -110,20 +125,20 @@ void ForceTerm::evaluate(NodalFields& fields, double dt)
   double* force = _force.data();
   const bool few = _few && !_gathered;
   if (few)
-    for (const std::int32_t i : _dofs)
+    for (const std::int32_t i : _entries)
       force[i] = 0.0;
   else
-    std::fill(force, force + fields.own, 0.0);
+    std::fill(force, force + fields.own_entries, 0.0);
   _gathered = false;
   for (InternalForce* operation : {_forms.inner.get(), _forms.outer.get()})
-    operation->assemble({force, fields.own});
+    assemble(*operation, fields, _force);
   if (_few)
-    for (const std::int32_t i : _dofs)
+    for (const std::int32_t i : _entries)
       fields.r[i] += _sign * force[i];
   else
-    for (std::size_t i = 0; i < fields.own; ++i)
+    for (std::size_t i = 0; i < fields.own_entries; ++i)
       fields.r[i] += _sign * force[i];
-  _position = sum_with(fields.own, fields.u.data());
+  _position = sum_with(fields.own_entries, fields.u.data());
   work.before = 0.5 * dt * power(fields);
 }
 
@@ -135,15 +150,15 @@ void ForceTerm::work_of_step(const NodalFields& fields, double dt)
 std::vector<double> ForceTerm::saved_force(NodalFields& fields)
 {
   // Owners take all of it, here as in the run that continues.
-  fields.halo->reverse(_force, fields.bs);
-  std::fill(_force.begin() + fields.owned, _force.end(), 0.0);
+  fields.halo->reverse(_force, fields.bs, fields.stride);
+  std::fill(_force.begin() + fields.owned_entries, _force.end(), 0.0);
   _gathered = true;
-  return {_force.begin(), _force.begin() + fields.owned};
+  return fields.owned_values(_force);
 }
 
-void ForceTerm::restore(std::span<const double> force, const Work& saved, double position)
+void ForceTerm::restore(const NodalFields& fields, std::span<const double> force, const Work& saved, double position)
 {
-  std::copy(force.begin(), force.end(), _force.begin());
+  fields.spread(force, _force);
   _gathered = true;
   work = saved;
   _position = position;

@@ -31,7 +31,12 @@ struct FormForces
   void commit() const;
   /// Let the kernels read the fields' displacements and velocities.
   void read(const NodalFields& fields) const;
+  /// Let the kernels read the nodes' positions from there.
+  void read_positions(const operators::NodePositions& positions) const;
 };
+
+/// Add an operator's forces to an array of the fields' layout.
+void assemble(const InternalForce& operation, const NodalFields& fields, AlignedVector& values);
 
 /// A force of a form whose work counts to an energy of its own. A form on a small surface costs what its facets cost:
 /// nothing then is done for all degrees of freedom.
@@ -42,6 +47,7 @@ public:
   ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields);
 
   WorkKind kind() const { return _kind; }
+  void read_positions(const operators::NodePositions& positions) const { _forms.read_positions(positions); }
   /// The fields have other ghosts.
   void resize(const NodalFields& fields);
   /// Start from zero.
@@ -59,20 +65,20 @@ public:
 
   /// For checkpoints: this rank's owned entries, with the ghosts' contributions. Collective.
   std::vector<double> saved_force(NodalFields& fields);
-  void restore(std::span<const double> force, const Work& work, double position);
+  void restore(const NodalFields& fields, std::span<const double> force, const Work& work, double position);
   double position() const { return _position; }
 
 private:
-  double power(const NodalFields& fields) const { return sum_with(fields.own, fields.v.data()); }
+  double power(const NodalFields& fields) const { return sum_with(fields.own_entries, fields.v.data()); }
   double sum_with(std::size_t own, const double* values) const;
 
   FormForces _forms;
   WorkKind _kind;
   double _sign;                    ///< in the residual
-  std::vector<std::int32_t> _dofs; ///< local degrees of freedom that the forms reach, increasing
+  std::vector<std::int32_t> _entries; ///< of the fields' arrays that the forms reach, increasing
   bool _few = false;               ///< are they few of all?
-  bool _gathered = false;          ///< the force has contributions of other ranks, beyond `_dofs`
-  std::vector<double> _force;
+  bool _gathered = false;          ///< the force has contributions of other ranks, beyond `_entries`
+  AlignedVector _force;
   double _position = 0.0;
 };
 

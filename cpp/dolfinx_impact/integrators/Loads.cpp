@@ -12,12 +12,12 @@ constexpr double never = std::numeric_limits<double>::quiet_NaN();
 constexpr auto wrong_size = "a load has as many values as degrees of freedom";
 } // namespace
 
-void Loads::add(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude)
+void Loads::add(std::span<const std::int32_t> entries, std::span<const double> values, int amplitude)
 {
-  if (dofs.size() != values.size())
+  if (entries.size() != values.size())
     throw std::invalid_argument(wrong_size);
-  _loads.push_back({{dofs.begin(), dofs.end()}, {values.begin(), values.end()}, amplitude, never});
-  _forces.resize(_num_dofs, 0.0);
+  _loads.push_back({{entries.begin(), entries.end()}, {values.begin(), values.end()}, amplitude, never});
+  _forces.resize(_size, 0.0);
 }
 
 void Loads::set_values(std::size_t i, std::span<const double> values)
@@ -43,7 +43,7 @@ void Loads::apply(const double* amplitudes)
   // The sum starts from zero, so that it does not depend on the amplitudes before.
   std::fill(_forces.begin(), _forces.end(), 0.0);
   for (const Load& load : _loads)
-    for (std::size_t k = 0; k < load.dofs.size(); ++k)
-      _forces[load.dofs[k]] += load.applied * load.values[k];
+    for (std::size_t k = 0; k < load.entries.size(); ++k)
+      _forces[load.entries[k]] += load.applied * load.values[k];
 }
 } // namespace dolfinx_impact::integrators

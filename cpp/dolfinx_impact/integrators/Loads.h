@@ -10,38 +10,38 @@ namespace dolfinx_impact::integrators
 class Loads
 {
 public:
-  /// @param[in] num_dofs degrees of freedom that this rank owns
-  explicit Loads(std::size_t num_dofs) : _num_dofs(num_dofs) {}
+  /// @param[in] size entries that this rank owns in arrays of nodal values (NodalFields)
+  explicit Loads(std::size_t size) : _size(size) {}
 
   /// Add a load.
-  /// @param[in] dofs owned degrees of freedom
+  /// @param[in] entries owned places in such arrays
   /// @param[in] values forces on them at the amplitude one [F]
   /// @param[in] amplitude column of the amplitudes that `apply` is given; -1: the amplitude is one
-  /// @throws std::invalid_argument unless there are as many values as degrees of freedom
-  void add(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
+  /// @throws std::invalid_argument unless there are as many values as entries
+  void add(std::span<const std::int32_t> entries, std::span<const double> values, int amplitude);
   /// Replace the values of a load.
   /// @param[in] i number of the load, in the order added
-  /// @param[in] values as many as the load has degrees of freedom [F]
+  /// @param[in] values as many as the load has entries [F]
   /// @throws std::invalid_argument for another number of values; std::out_of_range for a load that is not there
   void set_values(std::size_t i, std::span<const double> values);
   /// Evaluate the sum of all loads.
   /// @param[in] amplitudes at the present time [1]
   void apply(const double* amplitudes);
 
-  /// Forces by owned degree of freedom, as `apply` left them [F]; null if there are no loads.
+  /// Forces by owned entry, as `apply` left them [F]; null if there are no loads.
   const double* forces() const { return _forces.empty() ? nullptr : _forces.data(); }
-  /// Force on one owned degree of freedom [F].
-  double force(std::size_t dof) const { return _forces.empty() ? 0.0 : _forces[dof]; }
+  /// Force at one owned entry [F].
+  double force(std::size_t entry) const { return _forces.empty() ? 0.0 : _forces[entry]; }
 
 private:
   struct Load
   {
-    std::vector<std::int32_t> dofs;
+    std::vector<std::int32_t> entries;
     std::vector<double> values;
     int amplitude;
     double applied; ///< amplitude that the sum has of it; not a number: the sum has other values
   };
-  std::size_t _num_dofs;
+  std::size_t _size;
   std::vector<Load> _loads;
   std::vector<double> _forces;
 };

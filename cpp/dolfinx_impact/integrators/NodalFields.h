@@ -1,22 +1,26 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../operators/Halo.h"
+#include "../operators/lanes.h"
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
 namespace dolfinx_impact::integrators
 {
+using operators::AlignedVector;
 using operators::Halo;
 
 /// Values at the nodes that a rank knows: owned nodes, the space's ghosts, then nodes of other ranks that contacts
-/// need. Arrays have an entry for each degree of freedom, node*bs + component.
+/// need. Arrays have `stride` entries per node, node*stride + component; those beyond the components are padding, zero.
 struct NodalFields
 {
   /// @param[in] map of the space's nodes
   /// @param[in] bs components per node
-  NodalFields(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int bs);
+  /// @param[in] padded the stride is operators::padded_stride(bs), which kernels read fast; else bs
+  NodalFields(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int bs, bool padded = true);
   /// Take the space's ghosts and others in place of those before; all values but the residual are sent to them.
   /// Collective.
   /// @param[in] others global numbers and owners of nodes that are no ghosts of the space, ascending
@@ -31,13 +35,24 @@ struct NodalFields
   /// Set ghosts' velocities by their displacements, which were corrected since they were received.
   void update_ghost_velocities(double dt);
 
-  int bs;
+  /// Place of a degree of freedom, node*bs + component, in the arrays.
+  std::size_t entry(std::size_t dof) const { return dof / bs * stride + dof % bs; }
+  bool is_padded() const { return stride != bs; }
+  /// Write values by degree of freedom, of whole nodes, into one of the arrays, from the first node on.
+  void spread(std::span<const double> by_dof, AlignedVector& values) const;
+  /// The first values of one of the arrays by degree of freedom, of whole nodes.
+  void collect(std::span<const double> values, std::span<double> by_dof) const;
+  /// Owned values of one of the arrays by degree of freedom.
+  std::vector<double> owned_values(const AlignedVector& values) const;
+
+  int bs, stride;
   std::size_t owned; ///< degrees of freedom that this rank owns
   std::size_t own;   ///< these and the space's ghosts
+  std::size_t owned_entries, own_entries; ///< of the arrays: likewise
   std::unique_ptr<Halo> halo;
-  std::vector<double> u, v, r;       ///< displacement [L], velocity half a step before [L/T], residual [F]
-  std::vector<double> mass, inverse; ///< inverse: zero where prescribed
-  bool exchanging = false;           ///< are displacements on their way?
+  AlignedVector u, v, r;       ///< displacement [L], velocity half a step before [L/T], residual [F]
+  AlignedVector mass, inverse; ///< inverse: zero where prescribed
+  bool exchanging = false;     ///< are displacements on their way?
   Halo::Traffic traffic() const;
 
 private:

@@ -22,20 +22,20 @@ public:
   };
 
   /// Prescribe a group of displacements.
-  /// @param[in] dofs degrees of freedom that this rank owns
+  /// @param[in] entries places of owned degrees of freedom in arrays of nodal values (NodalFields)
   /// @param[in] values displacements at the amplitude one [L]
   /// @param[in] amplitude column of the amplitudes that `impose` is given; -1: the amplitude is one
-  /// @throws std::invalid_argument unless there are as many values as degrees of freedom
-  void add(std::span<const std::int32_t> dofs, std::span<const double> values, int amplitude);
+  /// @throws std::invalid_argument unless there are as many values as entries
+  void add(std::span<const std::int32_t> entries, std::span<const double> values, int amplitude);
 
-  /// Keep what an update is about to change. Arrays are by degree of freedom.
+  /// Keep what an update is about to change. Arrays, here and below, are those of NodalFields.
   void keep(const double* u, const double* v, const double* r);
   /// Displacements and velocities after an update.
   /// @param[in] dt step to the next time level [T]
   /// @param[in] h mean of the steps before and after the present time level [T]
   /// @param[in] alpha mass-proportional damping [1/T]
   /// @param[in] amplitudes at the next time level [1]
-  /// @param[in] mass per degree of freedom [M]
+  /// @param[in] mass by entry [M]
   /// @param[in] loads at the present time level
   /// @param[in,out] u, v displacements and velocities after the update
   /// @param[in,out] sums of the update; those of prescribed degrees of freedom are corrected
@@ -56,7 +56,7 @@ public:
 private:
   struct Group
   {
-    std::vector<std::int32_t> dofs;
+    std::vector<std::int32_t> entries;
     std::vector<double> values;
     int amplitude;
     std::vector<double> u, v, r; ///< before the update

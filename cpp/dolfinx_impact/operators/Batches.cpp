@@ -53,7 +53,6 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
                                 (k.rank ? " needs a test space" : " takes no test space"));
   _width = kernels::width(k, width);
   _tabulate = kernels::tabulate(k, _width);
-  _clear = clear(_width);
   set_constants(integral.constants);
   const std::string type = k.integral_type;
   _sides = type == "interior_facet" ? 2 : 1;
@@ -69,7 +68,8 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     _test.block_size = test->dofmap()->bs();
     _test.num_nodes = k.shape[0] / _test.block_size;
     _test_space = test;
-    _scatter = scatter(_width, _test.block_size);
+    _scatter = scatter(_width, _test.block_size, _test.block_size);
+    _padded_scatter = scatter(_width, _test.block_size, padded_stride(_test.block_size));
   }
   set_history(integral);
   for (int i = 0; i < k.num_coefficients; ++i)
@@ -96,6 +96,7 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     Array a;
     a.block_size = V->dofmap()->bs();
     a.num_nodes = _sides * c.element.num_dofs / a.block_size;
+    a.stride = a.block_size;
     a.gather = gather(_width, a.block_size, a.block_size);
     a.name = c.name;
     a.function = found->second;
@@ -103,6 +104,10 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     a.as_test = test && V->dofmap() == test->dofmap();
     _coefficients.push_back(std::move(a));
   }
+
+  if (type == "cell" && k.rank == 1 && _coefficients.size() == 1 && _coefficients[0].as_test && !_history &&
+      k.num_sums == 0)
+    _sweep = sweep(_width, _test.block_size, padded_stride(_test.block_size));
 
   const std::vector<std::int32_t>& entities = integral.entities;
   if (type == "interior_facet")
@@ -301,11 +306,26 @@ void Batches::set_constants(std::span<const double> c)
   _constants.assign(c.begin(), c.end());
 }
 
-void Batches::read(const std::string& name, const double* values)
+void Batches::read(const std::string& name, const double* values, int stride)
 {
   for (Array& a : _coefficients)
-    if (a.name == name)
+    if (a.name == name && a.field < 0)
+    {
       a.values = values;
+      a.stride = values && stride > 0 ? stride : a.block_size;
+      a.gather = gather(_width, a.block_size, a.stride);
+    }
+}
+
+void Batches::read_positions(const NodePositions* positions)
+{
+  // Where each facet has the nodes of two cells, those of the second come after all of the first one's.
+  const bool by_test = positions && positions->space() && positions->space() == _test_space.get() &&
+                       (_sides == 1 || _x.num_nodes == _test.num_nodes);
+  const bool readable = positions && (by_test || !positions->space());
+  _x.as_test = by_test;
+  _x.values = readable ? positions->values().data() : nullptr;
+  _x.gather = gather(_width, 3, readable ? 4 : 3);
 }
 
 bool Batches::has(const std::string& name) const
@@ -313,20 +333,49 @@ bool Batches::has(const std::string& name) const
   return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.name == name; });
 }
 
-double Batches::run(double* b) const
+/// @returns number of batches that it has run
+std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double* w, double* x) const
+{
+  if (!_sweep || _used.empty() || !_x.values || stride != padded_stride(_test.block_size) ||
+      _coefficients[0].stride != stride || !_coefficients[0].values)
+    return 0;
+  Sweep s;
+  s.tabulate = _tabulate;
+  s.num_batches = _used.size() - (_used.back() < _width ? 1 : 0);
+  s.position_nodes = (_x.as_test ? _test : _x).dofs.data();
+  s.num_position_nodes = _x.num_nodes;
+  s.positions_per_batch = std::size_t((_x.as_test ? _test : _x).num_nodes) * _width;
+  s.nodes = _test.dofs.data();
+  s.num_nodes = _test.num_nodes;
+  s.constants = _constants.data();
+  s.positions = _x.values;
+  s.values = _coefficients[0].values;
+  s.b = b;
+  s.A = A;
+  s.w = w + std::size_t(_coefficients[0].offset) * _width;
+  s.x = x;
+  _sweep(s);
+  return s.num_batches;
+}
+
+double Batches::run(double* b, int stride) const
 {
   const impact_kernel& k = *_kernel;
   const std::size_t size_A = std::size_t(k.shape[0]) * _width;
   double* A = aligned(_buffer.data());
   double* w = A + whole_lines(std::size_t(k.size_A) * _width);
   double* x = w + whole_lines(std::size_t(k.size_w) * _width);
-  const double* nodes = _mesh->geometry().x().data();
+  const double* nodes = _x.values ? _x.values : _mesh->geometry().x().data();
+  const scatter_function scatter = stride == _test.block_size ? _scatter : _padded_scatter;
   double sum = 0.0;
+  std::fill_n(A, size_A, 0.0); // and again by what reads it
   _failures.count = 0;
   std::ranges::fill(_sums, 0.0);
-  for (std::size_t batch = 0; batch < _used.size(); ++batch)
+  for (std::size_t batch = run_whole_batches(b, stride, A, w, x); batch < _used.size(); ++batch)
   {
-    _x.gather(nodes, _x.dofs.data() + batch * _x.num_nodes * _width, _x.num_nodes, x);
+    const std::int32_t* x_nodes = _x.as_test ? _test.dofs.data() + batch * _test.num_nodes * _width
+                                             : _x.dofs.data() + batch * _x.num_nodes * _width;
+    _x.gather(nodes, x_nodes, _x.num_nodes, x);
     for (const Array& a : _coefficients)
     {
       if (a.field >= 0)
@@ -341,13 +390,15 @@ double Batches::run(double* b) const
       if (batch + 1 < _used.size())
         prefetch_history(batch + 1); // arrives while the kernel computes
     }
-    _clear(A, size_A);
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)
-      _scatter(A, _test.dofs.data() + batch * _test.num_nodes * _width, _test.num_nodes, _used[batch], b);
+      scatter(A, _test.dofs.data() + batch * _test.num_nodes * _width, _test.num_nodes, _used[batch], b);
     else
+    {
       for (int l = 0; l < _used[batch]; ++l)
         sum += A[l];
+      std::fill_n(A, size_A, 0.0);
+    }
     if (_stores)
       store_outputs(batch, A);
     add_sums(batch, A);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../kernels/Kernel.h"
+#include "NodePositions.h"
 #include "PointHistory.h"
 #include "gather.h"
 #include <cstdint>
@@ -56,6 +57,7 @@ public:
   {
     int num_nodes = 0;
     int block_size = 1;
+    int stride = 1; ///< entries per node of the values
     std::vector<std::int32_t> dofs;
     bool as_test = false; ///< the test space's numbers: `dofs` is empty
     gather_function gather = nullptr;
@@ -79,7 +81,8 @@ public:
   /// Apply the kernel to all batches and add the element vectors to b (rank 1), or return the sum of the element values
   /// (rank 0). No allocation.
   /// @param[in,out] b array over owned and ghost degrees of freedom of the test space; null for rank 0
-  double run(double* b) const;
+  /// @param[in] stride entries per node of b: the space's block size or padded_stride of it, aligned (lanes.h)
+  double run(double* b, int stride) const;
 
   const impact_kernel& kernel() const { return *_kernel; }
   int width() const { return _width; }
@@ -87,7 +90,12 @@ public:
   void set_constants(std::span<const double> c);
   /// Read a coefficient from here (numbered as the function's array) instead of from the function; null: from the
   /// function again. Kernels without it are left as they are.
-  void read(const std::string& name, const double* values);
+  /// @param[in] stride entries per node of the array, as for `run`; 0: the space's block size
+  void read(const std::string& name, const double* values, int stride);
+  /// Read the positions of nodes from here, if they are by the mesh's nodes or by those of the test space; null: from
+  /// the mesh again.
+  void read_positions(const NodePositions* positions);
+  int block_size() const { return _test.block_size; } ///< of the test space
   /// Internal variables; null for a kernel without outputs.
   const std::shared_ptr<PointHistory>& history() const { return _history; }
   /// Does a run store outputs in the history? Not where it is another operator's.
@@ -110,6 +118,7 @@ private:
   void store_outputs(std::size_t batch, const double* A) const;
   void add_sums(std::size_t batch, const double* A) const;
   void record_failures(std::size_t batch, const double* A) const;
+  std::size_t run_whole_batches(double* b, int stride, double* A, double* w, double* x) const;
 
   const impact_kernel* _kernel;
   impact_tabulate _tabulate;
@@ -120,8 +129,8 @@ private:
   std::shared_ptr<const FunctionSpace> _test_space;
   std::vector<int> _used, _facet; // per batch; the kernel's entity
   Array _x, _test;
-  scatter_function _scatter = nullptr;
-  clear_function _clear = nullptr;
+  scatter_function _scatter = nullptr, _padded_scatter = nullptr;
+  sweep_function _sweep = nullptr; ///< over padded arrays, for kernels that it is right for; null for others
   std::vector<Array> _coefficients;
   std::vector<double> _constants;
   std::shared_ptr<PointHistory> _history;

@@ -112,40 +112,46 @@ void Halo::wait(int direction, int bs)
     check(_comm.comm(), MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
 }
 
-void Halo::forward_begin(std::span<const double> values, int bs)
+int Halo::checked_stride(std::span<const double> values, int bs, int stride) const
 {
   if (bs < 1 || bs > max_bs)
     throw std::invalid_argument("a Halo exchanges 1 to " + std::to_string(max_bs) + " values per node, not " +
                                 std::to_string(bs));
-  assert(values.size() >= std::size_t(num_nodes()) * bs);
+  const int found = stride > 0 ? stride : bs;
+  assert(found >= bs && values.size() >= std::size_t(num_nodes()) * found);
+  return found;
+}
+
+void Halo::forward_begin(std::span<const double> values, int bs, int stride)
+{
+  const int s = checked_stride(values, bs, stride);
   for (std::size_t i = 0; i < _owned.size(); ++i)
-    std::copy_n(values.data() + std::size_t(_owned[i]) * bs, bs, _owned_buffer.data() + i * bs);
+    std::copy_n(values.data() + std::size_t(_owned[i]) * s, bs, _owned_buffer.data() + i * bs);
   start(0, bs);
 }
 
-void Halo::forward_end(std::span<double> values, int bs)
+void Halo::forward_end(std::span<double> values, int bs, int stride)
 {
+  const int s = checked_stride(values, bs, stride);
   wait(0, bs);
   for (std::size_t i = 0; i < _ghosts.size(); ++i)
-    std::copy_n(_ghost_buffer.data() + i * bs, bs, values.data() + std::size_t(_ghosts[i]) * bs);
+    std::copy_n(_ghost_buffer.data() + i * bs, bs, values.data() + std::size_t(_ghosts[i]) * s);
 }
 
-void Halo::reverse_begin(std::span<const double> values, int bs)
+void Halo::reverse_begin(std::span<const double> values, int bs, int stride)
 {
-  if (bs < 1 || bs > max_bs)
-    throw std::invalid_argument("a Halo exchanges 1 to " + std::to_string(max_bs) + " values per node, not " +
-                                std::to_string(bs));
-  assert(values.size() >= std::size_t(num_nodes()) * bs);
+  const int s = checked_stride(values, bs, stride);
   for (std::size_t i = 0; i < _ghosts.size(); ++i)
-    std::copy_n(values.data() + std::size_t(_ghosts[i]) * bs, bs, _ghost_buffer.data() + i * bs);
+    std::copy_n(values.data() + std::size_t(_ghosts[i]) * s, bs, _ghost_buffer.data() + i * bs);
   start(1, bs);
 }
 
-void Halo::reverse_end(std::span<double> values, int bs)
+void Halo::reverse_end(std::span<double> values, int bs, int stride)
 {
+  const int s = checked_stride(values, bs, stride);
   wait(1, bs);
   for (std::size_t i = 0; i < _owned.size(); ++i)
     for (int c = 0; c < bs; ++c)
-      values[std::size_t(_owned[i]) * bs + c] += _owned_buffer[i * bs + c];
+      values[std::size_t(_owned[i]) * s + c] += _owned_buffer[i * bs + c];
 }
 } // namespace dolfinx_impact::operators

@@ -33,24 +33,25 @@ public:
 
   /// Send owned values to the ranks that have them as ghosts. Collective; between begin and end owned values may be
   /// read.
-  /// @param[in] values [node*bs + c] over num_nodes() nodes
-  /// @param[in] bs values per node, 1 to max_bs
+  /// @param[in] values [node*stride + c] over num_nodes() nodes
+  /// @param[in] bs values per node that are sent, 1 to max_bs
+  /// @param[in] stride entries per node; 0: bs
   /// @throws std::invalid_argument for another bs
-  void forward_begin(std::span<const double> values, int bs);
-  void forward_end(std::span<double> values, int bs);
-  void forward(std::span<double> values, int bs)
+  void forward_begin(std::span<const double> values, int bs, int stride = 0);
+  void forward_end(std::span<double> values, int bs, int stride = 0);
+  void forward(std::span<double> values, int bs, int stride = 0)
   {
-    forward_begin(values, bs);
-    forward_end(values, bs);
+    forward_begin(values, bs, stride);
+    forward_end(values, bs, stride);
   }
   /// Add ghost values to those of their owners; ghosts keep theirs. Collective; between begin and end owned values may
   /// be written. Arguments and errors as of forward_begin.
-  void reverse_begin(std::span<const double> values, int bs);
-  void reverse_end(std::span<double> values, int bs);
-  void reverse(std::span<double> values, int bs)
+  void reverse_begin(std::span<const double> values, int bs, int stride = 0);
+  void reverse_end(std::span<double> values, int bs, int stride = 0);
+  void reverse(std::span<double> values, int bs, int stride = 0)
   {
-    reverse_begin(values, bs);
-    reverse_end(values, bs);
+    reverse_begin(values, bs, stride);
+    reverse_end(values, bs, stride);
   }
 
   /// What this rank has sent so far.
@@ -67,6 +68,7 @@ public:
   const Traffic& traffic() const { return _traffic; }
 
 private:
+  int checked_stride(std::span<const double> values, int bs, int stride) const;
   void start(int direction, int bs);
   void wait(int direction, int bs);
 

@@ -2,6 +2,7 @@
 #include "InternalForce.h"
 #include "../common/dolfinx_api.h"
 #include "../common/text.h"
+#include "lanes.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
 #include <functional>
@@ -33,17 +34,28 @@ InternalForce::InternalForce(const std::shared_ptr<const Mesh>& mesh, std::share
     _batches.emplace_back(i, mesh, _test, coefficients, width);
 }
 
-void InternalForce::assemble(std::span<double> b) const
+void InternalForce::assemble(std::span<double> b, bool padded) const
 {
   if (!_test)
     throw std::invalid_argument("a form of rank 0 has a value, not a vector");
   const auto& map = *_test->dofmap();
-  const std::size_t size = std::size_t(map.index_map->size_local() + map.index_map->num_ghosts()) * map.index_map_bs();
+  const int bs = map.index_map_bs(), stride = padded ? padded_stride(bs) : bs;
+  const std::size_t size = std::size_t(map.index_map->size_local() + map.index_map->num_ghosts()) * stride;
   if (b.size() != size)
     throw std::invalid_argument("the vector has " + std::to_string(b.size()) +
                                 " entries on this rank, the test space has " + std::to_string(size));
   for (const Batches& batches : _batches)
-    batches.run(b.data());
+    batches.run(b.data(), padded ? padded_stride(batches.block_size()) : batches.block_size());
+}
+
+void InternalForce::assemble(std::span<double> b) const
+{
+  assemble(b, false);
+}
+
+void InternalForce::assemble_padded(std::span<double> b) const
+{
+  assemble(b, true);
 }
 
 void InternalForce::apply(dolfinx::la::Vector<double>& b) const
@@ -60,7 +72,7 @@ double InternalForce::value() const
     throw std::invalid_argument("a form of rank 1 has no value: use apply or assemble");
   double sum = 0.0;
   for (const Batches& batches : _batches)
-    sum += batches.run(nullptr);
+    sum += batches.run(nullptr, 0);
   return sum;
 }
 

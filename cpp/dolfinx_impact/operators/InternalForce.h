@@ -25,6 +25,8 @@ public:
   /// @pre coefficients have up-to-date ghost values
   /// @param[in,out] b owned and ghost entries of the test space
   void assemble(std::span<double> b) const;
+  /// The same for an array with padded_stride(bs) entries per node, aligned (lanes.h).
+  void assemble_padded(std::span<double> b) const;
 
   /// b = f, complete: ghost contributions are sent to their owners and the ghosts of b are refreshed.
   /// @pre coefficients have up-to-date ghost values
@@ -37,10 +39,16 @@ public:
   void set_constants(std::size_t i, std::span<const double> c) { _batches.at(i).set_constants(c); }
 
   /// Read a coefficient from an array instead of from its function, in all integrals (Batches::read).
-  void read(const std::string& name, const double* values)
+  void read(const std::string& name, const double* values, int stride = 0)
   {
     for (Batches& batches : _batches)
-      batches.read(name, values);
+      batches.read(name, values, stride);
+  }
+  /// Read the nodes' positions from there (Batches::read_positions).
+  void read_positions(const NodePositions* positions)
+  {
+    for (Batches& batches : _batches)
+      batches.read_positions(positions);
   }
 
   /// Space of the result; null for a form of rank 0.
@@ -88,6 +96,7 @@ public:
   double flops() const;
 
 private:
+  void assemble(std::span<double> b, bool padded) const;
   /// Call a function with the internal variables of each integral that keeps them.
   void each_history(auto&& work);
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Gather and scatter of nodes with two and three components by register transposes. Writing a vector lane by lane and
+// Gather and scatter of nodes with two and three components by register transposes; three may be padded to four. Writing a vector lane by lane and
 // reading it back whole stalls the processor (the stores cannot be forwarded), so lanes are put together in registers
 // instead.
 #if defined(__x86_64__) && defined(__GNUC__)
+#include "gather.h"
 #include <cstdint>
 #include <immintrin.h>
 
@@ -57,13 +58,20 @@ IMPACT_AVX2 Columns columns2(const double* u, const std::int32_t* dofs)
   return {_mm256_unpacklo_pd(r0, r1), _mm256_unpackhi_pd(r0, r1), _mm256_setzero_pd()};
 }
 
-template <int BS>
+/// Four nodes of four entries each, aligned.
+IMPACT_AVX2 Columns padded3(const double* u, const std::int32_t* dofs)
+{
+  return transposed(_mm256_load_pd(u + 4 * std::int64_t(dofs[0])), _mm256_load_pd(u + 4 * std::int64_t(dofs[1])),
+                    _mm256_load_pd(u + 4 * std::int64_t(dofs[2])), _mm256_load_pd(u + 4 * std::int64_t(dofs[3])));
+}
+
+template <int BS, int S>
 IMPACT_AVX2 void gather4(const double* __restrict u, const std::int32_t* __restrict dofs, int num_nodes,
                          double* __restrict w)
 {
   for (int i = 0; i < num_nodes; ++i, w += 4 * BS, dofs += 4)
   {
-    const Columns c = BS == 3 ? columns3(u, dofs) : columns2(u, dofs);
+    const Columns c = S == 4 ? padded3(u, dofs) : BS == 3 ? columns3(u, dofs) : columns2(u, dofs);
     _mm256_store_pd(w, c.x);
     _mm256_store_pd(w + 4, c.y);
     if constexpr (BS == 3)
@@ -71,14 +79,14 @@ IMPACT_AVX2 void gather4(const double* __restrict u, const std::int32_t* __restr
   }
 }
 
-template <int BS>
+template <int BS, int S>
 IMPACT_AVX512 void gather8(const double* __restrict u, const std::int32_t* __restrict dofs, int num_nodes,
                            double* __restrict w)
 {
   for (int i = 0; i < num_nodes; ++i, w += 8 * BS, dofs += 8)
   {
-    const Columns a = BS == 3 ? masked3(u, dofs) : columns2(u, dofs);
-    const Columns b = BS == 3 ? masked3(u, dofs + 4) : columns2(u, dofs + 4);
+    const Columns a = S == 4 ? padded3(u, dofs) : BS == 3 ? masked3(u, dofs) : columns2(u, dofs);
+    const Columns b = S == 4 ? padded3(u, dofs + 4) : BS == 3 ? masked3(u, dofs + 4) : columns2(u, dofs + 4);
     _mm512_store_pd(w, _mm512_insertf64x4(_mm512_castpd256_pd512(a.x), b.x, 1));
     _mm512_store_pd(w + 8, _mm512_insertf64x4(_mm512_castpd256_pd512(a.y), b.y, 1));
     if constexpr (BS == 3)
@@ -95,10 +103,23 @@ IMPACT_AVX2 void add_node(double* p, __m128d xy, __m128d z)
 }
 
 /// Columns of four lanes added to four nodes, one after the other: lanes may share a node.
-template <int BS>
+template <int BS, int S>
 IMPACT_AVX2 void add_lanes(double* b, const std::int32_t* dofs, __m256d x, __m256d y, __m256d z)
 {
   const __m256d even = _mm256_unpacklo_pd(x, y), odd = _mm256_unpackhi_pd(x, y);
+  if constexpr (S == 4)
+  {
+    const __m256d zero = _mm256_setzero_pd();
+    const __m256d even_z = _mm256_unpacklo_pd(z, zero), odd_z = _mm256_unpackhi_pd(z, zero);
+    const __m256d rows[4] = {_mm256_permute2f128_pd(even, even_z, 0x20), _mm256_permute2f128_pd(odd, odd_z, 0x20),
+                             _mm256_permute2f128_pd(even, even_z, 0x31), _mm256_permute2f128_pd(odd, odd_z, 0x31)};
+    for (int l = 0; l < 4; ++l)
+    {
+      double* node = b + 4 * std::int64_t(dofs[l]);
+      _mm256_store_pd(node, _mm256_add_pd(_mm256_load_pd(node), rows[l]));
+    }
+    return;
+  }
   const __m128d z01 = _mm256_castpd256_pd128(z), z23 = _mm256_extractf128_pd(z, 1);
   add_node<BS>(b + BS * std::int64_t(dofs[0]), _mm256_castpd256_pd128(even), z01);
   add_node<BS>(b + BS * std::int64_t(dofs[1]), _mm256_castpd256_pd128(odd), _mm_unpackhi_pd(z01, z01));
@@ -106,28 +127,65 @@ IMPACT_AVX2 void add_lanes(double* b, const std::int32_t* dofs, __m256d x, __m25
   add_node<BS>(b + BS * std::int64_t(dofs[3]), _mm256_extractf128_pd(odd, 1), _mm_unpackhi_pd(z23, z23));
 }
 
-IMPACT_AVX2 void clear4(double* A, std::size_t size)
+/// Lanes [half, half + 4) of one node of each of W cells.
+template <int BS, int S, int W>
+IMPACT_AVX2 void add_half(const double* A, int half, const std::int32_t* dofs, double* b)
 {
-  for (std::size_t i = 0; i < size; i += 4)
-    _mm256_store_pd(A + i, _mm256_setzero_pd());
+  const __m256d z = BS == 3 ? _mm256_load_pd(A + 2 * W + half) : _mm256_setzero_pd();
+  add_lanes<BS, S>(b, dofs + half, _mm256_load_pd(A + half), _mm256_load_pd(A + W + half), z);
 }
 
-IMPACT_AVX512 void clear8(double* A, std::size_t size)
+template <int BS, int S>
+IMPACT_AVX2 void scatter4(double* __restrict A, const std::int32_t* __restrict dofs, int num_nodes,
+                          double* __restrict b)
 {
-  for (std::size_t i = 0; i < size; i += 8)
-    _mm512_store_pd(A + i, _mm512_setzero_pd());
+  for (int i = 0; i < num_nodes; ++i, A += 4 * BS, dofs += 4)
+  {
+    add_half<BS, S, 4>(A, 0, dofs, b);
+    for (int c = 0; c < BS; ++c)
+      _mm256_store_pd(A + 4 * c, _mm256_setzero_pd());
+  }
 }
 
-template <int BS, int W>
-IMPACT_AVX2 void scatter_whole(const double* __restrict A, const std::int32_t* __restrict dofs, int num_nodes,
-                               double* __restrict b)
+/// Zeros are written by registers as wide as those that the kernel reads them with.
+template <int BS, int S>
+IMPACT_AVX512 void scatter8(double* __restrict A, const std::int32_t* __restrict dofs, int num_nodes,
+                            double* __restrict b)
 {
-  for (int i = 0; i < num_nodes; ++i, A += W * BS, dofs += W)
-    for (int half = 0; half < W; half += 4)
-    {
-      const __m256d z = BS == 3 ? _mm256_load_pd(A + 2 * W + half) : _mm256_setzero_pd();
-      add_lanes<BS>(b, dofs + half, _mm256_load_pd(A + half), _mm256_load_pd(A + W + half), z);
-    }
+  for (int i = 0; i < num_nodes; ++i, A += 8 * BS, dofs += 8)
+  {
+    add_half<BS, S, 8>(A, 0, dofs, b);
+    add_half<BS, S, 8>(A, 4, dofs, b);
+    for (int c = 0; c < BS; ++c)
+      _mm512_store_pd(A + 8 * c, _mm512_setzero_pd());
+  }
+}
+template <int BS, int S>
+IMPACT_AVX2 void sweep4(const Sweep& sweep)
+{
+  const Sweep s = sweep; // a copy: stores to A could change what is read by reference
+  for (std::size_t k = 0; k < s.num_batches; ++k)
+  {
+    const std::int32_t* nodes = s.nodes + k * 4 * s.num_nodes;
+    gather4<3, 4>(s.positions, s.position_nodes + k * s.positions_per_batch, s.num_position_nodes, s.x);
+    gather4<BS, S>(s.values, nodes, s.num_nodes, s.w);
+    s.tabulate(s.A, s.w, s.constants, s.x, 0);
+    scatter4<BS, S>(s.A, nodes, s.num_nodes, s.b);
+  }
+}
+
+template <int BS, int S>
+IMPACT_AVX512 void sweep8(const Sweep& sweep)
+{
+  const Sweep s = sweep;
+  for (std::size_t k = 0; k < s.num_batches; ++k)
+  {
+    const std::int32_t* nodes = s.nodes + k * 8 * s.num_nodes;
+    gather8<3, 4>(s.positions, s.position_nodes + k * s.positions_per_batch, s.num_position_nodes, s.x);
+    gather8<BS, S>(s.values, nodes, s.num_nodes, s.w);
+    s.tabulate(s.A, s.w, s.constants, s.x, 0);
+    scatter8<BS, S>(s.A, nodes, s.num_nodes, s.b);
+  }
 }
 } // namespace dolfinx_impact::operators::x86
 #endif

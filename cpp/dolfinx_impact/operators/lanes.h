@@ -2,6 +2,8 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <new>
+#include <vector>
 
 /// Memory of kernels, whose vectors of several lanes are aligned to cache lines.
 namespace dolfinx_impact::operators
@@ -14,6 +16,29 @@ inline double* aligned(double* p)
 {
   const std::size_t beyond = reinterpret_cast<std::uintptr_t>(p) % alignment;
   return beyond == 0 ? p : p + (alignment - beyond) / sizeof(double);
+}
+
+/// Memory that begins with a cache line.
+template <typename T>
+struct AlignedAllocator
+{
+  typedef T value_type;
+  AlignedAllocator() = default;
+  template <typename U>
+  AlignedAllocator(const AlignedAllocator<U>&)
+  {
+  }
+  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{alignment})); }
+  void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{alignment}); }
+  bool operator==(const AlignedAllocator&) const = default;
+};
+using AlignedVector = std::vector<double, AlignedAllocator<double>>;
+
+/// Entries that a node takes in arrays which kernels read often: four for three components, so that a node is one
+/// aligned load.
+inline int padded_stride(int bs)
+{
+  return bs == 3 ? 4 : bs;
 }
 
 /// Entries of an array rounded up to whole cache lines.

@@ -48,9 +48,9 @@ void ExplicitStepper::start(std::span<const double> u, std::span<const double> v
 /// Springs are others: the forces of the start once more.
 void ExplicitStepper::restart(RunObserver& observer)
 {
-  std::vector<double> v(_system.integrator.displacement().size()), a(v.size());
+  const std::vector<double> u = _system.integrator.displacement();
+  std::vector<double> v(u.size()), a(u.size());
   _system.integrator.motion(v, a);
-  const std::vector<double> u(_system.integrator.displacement().begin(), _system.integrator.displacement().end());
   start(u, v, observer);
 }
 
@@ -95,7 +95,7 @@ void ExplicitStepper::run(std::int64_t count, RunObserver& observer)
   if (!_good || _step - _good->step >= snapshot || count > snapshot)
   {
     GoodState& good = _good.emplace(_step, _time);
-    good.u.assign(integrator.displacement().begin(), integrator.displacement().end());
+    good.u = integrator.displacement();
     good.v.resize(good.u.size());
     std::vector<double> a(good.u.size());
     integrator.motion(good.v, a);

@@ -25,7 +25,7 @@ from dolfinx import fem
 from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
-from dolfinx_impact import compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from dolfinx_impact import _cpp, compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.contact import ContactPair, GeneralContact, Kinematic, Penalty, Tie
@@ -44,6 +44,7 @@ COST_BLOCKS = (64, 4)  # thin blocks, in which contact is a large part of the st
 TIED_BLOCKS = (100, 4)  # 10,201 slave nodes
 ROUND = 0.2  # duration of a round, in processor time [s]
 SPEED = 0.005  # sliding and closing speed over the wave speed [1]
+HAND_WRITTEN = (("hexahedron", 1), ("tetrahedron", 1), ("tetrahedron", 2))  # cells and degrees
 ContactClass: TypeAlias = type[Union[Penalty, Kinematic]]
 
 
@@ -150,6 +151,9 @@ def step_rows(
         rows.append(row(f"{name} whole step / own force", label, 1, rate, CELLS_PER_S, base))
         if cell in own:
             rows.append(own_row(setup, label, problem, count))
+        if law is materials.LinearElastic and (cell, degree) in HAND_WRITTEN:
+            setup.u.x.array[:] = u_start
+            rows.append(hand_written_row(setup, label, count))
     return rows
 
 
@@ -193,6 +197,64 @@ def own_row(setup: Setup, label: str, package: ExplicitProblem, steps: int) -> R
     mine, theirs = np.median(times, axis=0)
     count = setup.num_cells * 1e-6
     return row("own residual / package, whole step", label, 1, count / mine, CELLS_PER_S, count / theirs)
+
+
+def hand_written_row(setup: Setup, label: str, steps: int, rounds: int = 5) -> Row:
+    """Measure the package's step against one that is written by hand for the cell and the law, in alternating rounds.
+
+    Args:
+        setup: body; the run starts from its displacement.
+        label: cell and degree.
+        steps: number of steps per round.
+        rounds: number of rounds, after one that is not counted.
+
+    Returns:
+        Row; the baseline is the faster one of the widths that the processor has.
+
+    Raises:
+        RuntimeError: the displacements of the two differ.
+        ValueError: the processor has no vectors that the loops are written for.
+    """
+    V, velocity = setup.V, initial_velocity(setup.V)
+    u = fem.Function(V)
+    u.x.array[:] = start = setup.u.x.array.copy()
+    package = ExplicitProblem(u, materials.LinearElastic(1e3, 0.3, 1.0, "3d"), velocity=velocity)
+    mu, lam = 1e3 / 2.6, 300.0 / (1.3 * 0.4)
+    cells = np.ascontiguousarray(V.dofmap.list, dtype=np.int32)
+    mass = np.ascontiguousarray(package.mass.array[::3])
+    by_hand = [
+        _cpp.bench.HandWrittenStep(
+            V.tabulate_dof_coordinates().ravel(), cells.ravel(), cells.shape[1], mu, lam, mass, width
+        )
+        for width in (4, 8)
+        if width <= _cpp.kernels.processor_width()
+    ]
+    if not by_hand:
+        raise ValueError("loops are written by hand for AVX2 and AVX-512 only")
+    for loop in by_hand:
+        loop.start(start, velocity.x.array)
+    dt, times = 0.9 * package._stepper.safe_step, []
+    for k in range(rounds + 1):
+        before, first, begin = package.time, package.step, time.process_time()
+        package.advance(before + steps * dt, progress=False)
+        count = package.step - first
+        found = [(time.process_time() - begin) / count]
+        for loop in by_hand:
+            begin = time.process_time()
+            loop.run(count, (package.time - before) / count)
+            found.append((time.process_time() - begin) / count)
+        times.append(found)
+        moved = np.max(np.abs(u.x.array - start))
+        for loop in by_hand if k == 0 else []:
+            difference = np.max(np.abs(loop.displacement() - u.x.array)) / moved
+            if not difference < 1e-9:
+                raise RuntimeError(
+                    f"{label}: our steps and those written by hand differ by {difference:.1e}: no timing counts"
+                )
+    ours, *hand = np.median(times[1:], axis=0)
+    millions = setup.num_cells * 1e-6
+    return row("linear_elastic whole step / written by hand", label, 1, millions / ours, CELLS_PER_S,
+               millions / min(hand))  # fmt: skip
 
 
 class Blocks:

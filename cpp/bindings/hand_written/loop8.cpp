@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: MIT
+#define IMPACT_HAND_WRITTEN_WIDTH 8
+#include "loop.h"
+
+dolfinx_impact::hand_written::CellLoop dolfinx_impact::hand_written::loop8(int num_nodes)
+{
+  return loop(num_nodes);
+}
