@@ -50,8 +50,8 @@ class OnePointCell:
     """
 
     def __init__(self, mesh):
-        self.dim = mesh.geometric_dimension()
         x = ufl.SpatialCoordinate(mesh)
+        (self.dim,) = x.ufl_shape
         self.modes = list(itertools.combinations(range(self.dim), 2))
         self._x = [reference_derivatives(x, order) for order in range(1, self.dim + 1)]
         self.axes = [ufl.as_vector([self._x[0][k, i] for k in range(self.dim)]) for i in range(self.dim)]
@@ -159,7 +159,7 @@ class OnePointBody:
     """
 
     def __init__(self, mesh, law):
-        if mesh.ufl_cell().cellname() not in CELLS:
+        if mesh.ufl_coordinate_element().cell_type.name not in CELLS:
             raise ValueError(f"one point with hourglass control is for {' and '.join(CELLS)} cells")
         if law.hypothesis not in HYPOTHESES:
             raise ValueError(f"one point with hourglass control is not for the hypothesis {law.hypothesis}")

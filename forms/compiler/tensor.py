@@ -101,6 +101,8 @@ def _factors(nodes, shape, x):
     n = len(axes[0])
     if any(len(a) != n or not np.allclose(a, axes[0]) for a in axes) or n ** shape[1] != len(nodes):
         return None
+    if len(x) == 1 and n > 2:  # at the centre, tables of degree 2 are mostly zeros
+        return None
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(len(nodes), -1)
     order = tuple(int(np.argmin(np.abs(nodes - p).sum(axis=1))) for p in grid)
     if len(set(order)) != len(order):

@@ -61,7 +61,7 @@ def element_differences(law: str, cell: str, hypothesis: str) -> dict[str, tuple
     rng, dim = np.random.default_rng([2026, *map(ord, law + cell + hypothesis)]), registry.CELLS[cell]
     order, geometry = nodes.dofs(cell, 1, dim), nodes.permutation(cell, 1)
     values = catalogue.parameters(rng, law, dim)
-    material = ref.Material(float(values["E"]), float(values["nu"]), 1.0, hypothesis, law)  # type: ignore[arg-type]
+    material = ref.Material(float(values["E"]), float(values["nu"]), 1.0, hypothesis, law)
     cells = [nodes.random_cell(rng, cell, 1, hypothesis) for _ in range(NUM_CELLS)]
     fields = [0.08 * np.ptp(x, axis=0).min() * rng.uniform(-1, 1, len(order)) for x in cells]
     expected = [
@@ -77,7 +77,8 @@ def element_differences(law: str, cell: str, hypothesis: str) -> dict[str, tuple
         worst, where = 0.0, ""
         for lanes in kernel.widths:
             got = element.tabulate(kernel, cells, w, c[0], 0, lanes)
-            for a, their in zip(got, expected):
+            for row, their in enumerate(expected):
+                a: FloatArray = got[row]
                 tensor = _tensor(their, kind)
                 for _ in range(kernel.rank):
                     tensor = np.moveaxis(tensor, 0, -1)[..., order]
