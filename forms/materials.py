@@ -37,12 +37,16 @@ def weight(mesh, hypothesis):
 
 def gradient(u, hypothesis):
     """Displacement gradient as a 3 x 3 tensor (2 x 2 for plane stress, where the third direction is condensed)."""
-    g = ufl.grad(u)
-    if hypothesis in ("3d", "plane_stress"):
-        return g
-    hoop = 0
+    g, hoop = ufl.grad(u), 0
     if hypothesis == "axisymmetric":
         hoop = u[0] / ufl.SpatialCoordinate(ufl.domain.extract_unique_domain(g))[0]
+    return in_space(g, hypothesis, hoop)
+
+
+def in_space(g, hypothesis, hoop=0):
+    """A gradient of the hypothesis's plane as the tensor that `gradient` returns, with the hoop strain at [2, 2]."""
+    if hypothesis in ("3d", "plane_stress"):
+        return g
     return ufl.as_tensor([[g[0, 0], g[0, 1], 0], [g[1, 0], g[1, 1], 0], [0, 0, hoop]])
 
 
@@ -64,13 +68,13 @@ def von_mises(stress):
 
 
 class Law:
-    """Base of the laws. Args: E [F/L^2], nu [1], hypothesis."""
+    """Base of the laws. Args: E [F/L^2], nu [1], hypothesis; integration, "full" or "reduced" (one_point.py)."""
 
     name = ""
     linear = False
 
-    def __init__(self, E, nu, hypothesis="3d"):
-        self.E, self.nu, self.hypothesis = E, nu, hypothesis
+    def __init__(self, E, nu, hypothesis="3d", integration="full"):
+        self.E, self.nu, self.hypothesis, self.integration = E, nu, hypothesis, integration
         self.lmbda, self.mu = lame(E, nu)
         if hypothesis == "plane_stress":
             self.lmbda_plane = plane_stress_lambda(self.lmbda, self.mu)

@@ -4,14 +4,14 @@
 `build` gives any form of the catalogue for any cell, degree, geometry degree and hypothesis, with the names of its
 coefficients and constants; `registered` adds a form. NAMES are the forms of the package's own catalogue that `verify`
 compares with the hand-written solver element by element: those with internal variables or a stress at their points, and
-those that only resist a motion, are compared in runs. TABLE lists the rows that are compiled with the package: what the
-demos and C++ users need. Everything else takes the run-time route.
+those that only resist a motion, are compared in runs, those with one point by rows of their own. TABLE lists the rows
+that are compiled with the package: what the demos and C++ users need. Everything else takes the run-time route.
 """
 
 from dataclasses import dataclass
 
 from . import catalogue, quadrature  # noqa: F401  (importing the catalogue registers its forms)
-from .catalogue import damping, plasticity
+from .catalogue import damping, one_point, plasticity
 from .catalogue.laws import STRESSES
 from .materials import LAWS
 from .registration import (
@@ -50,7 +50,8 @@ __all__ = [
     "registered",
 ]
 
-NAMES = tuple(name for name in FORMS if name not in (*plasticity.NAMES, *damping.OF_STEPS, *STRESSES))
+_APART = (*plasticity.NAMES, *damping.OF_STEPS, *STRESSES, *one_point.NAMES)
+NAMES = tuple(name for name in FORMS if name not in _APART)
 LAW_FORMS = tuple(name for name in NAMES if name.split(".")[0] in LAWS)
 
 
@@ -115,6 +116,7 @@ def _table() -> tuple[Row, ...]:
                 if hypothesis == "axisymmetric":  # in plane stress they are those of plane strain
                     names += ["body_force", "gravity", "traction", "mass", "row_sum"]
                 rows += [Row(name, cell, 1, 1, hypothesis) for name in names]
+    rows += [Row(f"linear_elastic.reduced.{kind}", "hexahedron", 1, 1, "3d") for kind in one_point.KINDS]
     for cell, degree, hypothesis, laws in PLASTIC:
         names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):

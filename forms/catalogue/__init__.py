@@ -4,4 +4,4 @@
 The order of the imports is the order of the names.
 """
 
-from . import laws, inertia, loads, foundation, damping, ale, galerkin, plasticity  # noqa: F401
+from . import laws, inertia, loads, foundation, damping, ale, galerkin, plasticity, one_point  # noqa: F401

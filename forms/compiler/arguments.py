@@ -41,7 +41,8 @@ class ElementTensor:
             begin, stride = int(tr.offset), int(tr.block_size)
             uniform = row is None
             derivatives = self._derivatives(block)
-            if uniform and factor is not None and not tr.is_piecewise and tensor.matches(factor, derivatives, table[0]):
+            known = not tr.is_piecewise or self.rule.num_points == 1
+            if uniform and factor is not None and known and tensor.matches(factor, derivatives, table[0]):
                 self.factor, self.stride = factor, stride
                 self.tensor[(begin, derivatives)] = value
             else:
@@ -68,7 +69,7 @@ class ElementTensor:
             size = max((b for b, _ in self.tensor), default=-1) + 1
             for d in sorted({d for _, d in self.tensor}):
                 sizes = [1 if self.factor.constant(k) else len(self.rule.grid) for k in d]
-                zero = np.zeros((size, *sizes)) if 1 in sizes else None
+                zero = np.zeros((size, *sizes)) if any(map(self.factor.constant, d)) else None
                 declarations.append(L.ArrayDecl(_symbol(self._test_name(d)), sizes=(size, *sizes), values=zero))
             if self.rule.num_points > 1:
                 for k, (tr, table, *_) in enumerate(self.reduced):

@@ -63,11 +63,13 @@ class Rule:
         self.tests = {}  # (dof offset, derivatives) -> value, integrated by sum factorisation
 
     def indices(self, dim):
-        return [_int(n) for n in AXES[:dim]] if self.grid is not None else [_int("iq")]
+        if self.grid is None:
+            return [_int("iq")]
+        return [_int(n) if self.num_points > 1 else L.LiteralInt(0) for n in AXES[:dim]]
 
     def flat(self, dim):
         """Point number as an index expression."""
-        if self.grid is None:
+        if self.grid is None or self.num_points == 1:
             return _int("iq")
         return L.MultiIndex(self.indices(dim), [len(self.grid)] * dim)
 
@@ -261,14 +263,16 @@ class KernelWriter:
         if tr.ttype == "ones" and table.shape[2] == 1:
             return self._dof(field, dof(0))
         uniform, piecewise = row is None, tr.is_piecewise
-        if uniform and piecewise:
+        factor = self._factors(field, rule)
+        product = uniform and factor is not None and tensor.matches(factor, derivatives, table[0])
+        if uniform and piecewise and not (product and rule.num_points == 1):
             return algebra.add(*((c, self._dof(field, dof(i))[1]) for i, c in enumerate(table[0, 0]) if c))
         if uniform and table.shape[1] == table.shape[2] and np.array_equal(table[0], np.eye(table.shape[1])):
             return algebra.symbol(("quadrature", field, rule.number, dof(0), dof(1) - dof(0)), alg.POINT)
-        factor = self._factors(field, rule)
-        if uniform and factor is not None and tensor.matches(factor, derivatives, table[0]):
+        if product:
             rule.fields.setdefault(field, {})[(component, derivatives)] = dof
-            return algebra.symbol(("field", rule.number, field, component, derivatives), alg.POINT)
+            value = algebra.symbol(("field", rule.number, field, component, derivatives), alg.POINT)
+            return algebra.multiply(algebra.number(factor.unit(derivatives)), value)
         if uniform:
             basis, reduction = tensor.reduce_columns(table[0])
             combined = [
@@ -327,8 +331,6 @@ class KernelWriter:
         for number, (rule, data) in enumerate(integrands(self.ir)):
             tensor_cell = self.integral.integral_type == "cell" and self.cell.name in ("quadrilateral", "hexahedron")
             grid = tensor.grid_of_points(rule.points) if tensor_cell and self.integral.rank < 2 else None
-            if grid is not None and len(grid) < 2:
-                grid = None
             self.rule = Rule(number, rule, data, grid)
             self.rules.append(self.rule)
             values = alg.GraphReader(self.algebra, data["factorization"], self._terminal).read()
@@ -390,9 +392,22 @@ class KernelWriter:
         for _, contributions in sorted(rule.data["block_contributions"].items()):
             for block in contributions:
                 for index, component in block.factor_indices_comp_indices:
-                    factor = values[index]
+                    factor = self.algebra.multiply(self.algebra.number(self._unit(block)), values[index])
                     targets.append(((block, component), self.algebra.multiply(weight, factor)))
         return targets
+
+    def _unit(self, block):
+        """Factor that the sum factorisation of a block's test function leaves out (tensor.Factors.unit)."""
+        rule = self.rule
+        if self.integral.rank != 1 or rule.grid is None or rule.num_points > 1:
+            return 1.0
+        factor = tensor.factors(self.integral.argument_elements[0], rule.points)
+        argument = rule.data["modified_arguments"][block.ma_data[0].ma_index]
+        counts = [0] * self.tdim
+        for d in argument.local_derivatives:
+            counts[d] += 1
+        table, _ = self.rows(argument, block.ma_data[0].tabledata)
+        return factor.unit(counts) if factor is not None and tensor.matches(factor, tuple(counts), table[0]) else 1.0
 
     def _rule_code(self, rule, targets):
         element_tensor = ElementTensor(self, rule, targets)
@@ -413,9 +428,10 @@ class KernelWriter:
             first = not any(r.num_points == 1 for r in self.rules[: rule.number])
             index = [L.VariableDecl(_int("iq"), L.LiteralInt(0))] if first else []
             return index + inner if rule.num_points == 1 else []
-        sizes = [len(rule.grid)] * self.tdim if rule.grid is not None else [rule.num_points]
+        grid = rule.grid is not None and rule.num_points > 1
+        sizes = [len(rule.grid)] * self.tdim if grid else [rule.num_points]
         loop = inner
-        for index, size in reversed(list(zip(rule.indices(self.tdim), sizes))):
+        for index, size in reversed(list(zip(rule.indices(self.tdim) if grid else [_int("iq")], sizes))):
             loop = [L.ForRange(index, 0, size, loop)]
         return loop
 

@@ -97,7 +97,7 @@ def _evaluate_component(writer, rule, field, factor, wanted, component, read):
     for axis in range(dim):
         following = {}
         for prefix in sorted({d[: axis + 1] for d in wanted}):
-            table = factor.table(prefix[-1])
+            table = factor.unit_table(prefix[-1])
             points = 1 if factor.constant(prefix[-1]) else m
             before = [1 if factor.constant(k) else m for k in prefix[:-1]]
             last = axis == dim - 1
@@ -161,7 +161,7 @@ def integrate_test(writer, rule, factor, name, derivatives, dofs, component, add
             for i in range(n):
                 terms = []
                 for d in ends:
-                    table = factor.table(d[-1])
+                    table = factor.unit_table(d[-1])
                     points = 1 if factor.constant(d[-1]) else m
                     terms += [
                         (table[q, i], _at(stages[d], (*position[:axis], q, *position[axis:]))) for q in range(points)
@@ -173,7 +173,7 @@ def integrate_test(writer, rule, factor, name, derivatives, dofs, component, add
     for nodes in itertools.product(range(n), repeat=dim):
         terms = []
         for d, source in stages.items():
-            table = factor.table(d[0])
+            table = factor.unit_table(d[0])
             points = 1 if factor.constant(d[0]) else m
             terms += [(table[q, nodes[0]], _at(source, (q, *nodes[1:]))) for q in range(points)]
         body.append(add(dofs(factor.node[_flat(nodes, n)]), combine(terms)))

@@ -26,6 +26,7 @@ class InelasticMaterial(_Material):
         nu: Poisson's ratio of the elastic part, between -1 and 0.5, both excluded [1].
         density: None where no mass is asked for [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric".
+        integration: "full"; one point with hourglass control is refused.
 
     Attributes:
         finite_strain: whether the law sees the deformation gradient instead of the small strain.
@@ -45,6 +46,22 @@ class InelasticMaterial(_Material):
 
     history: dict[str, tuple[int, ...]] = {}
     unknown: tuple[int, ...] | None = None
+
+    def __init__(
+        self,
+        E: float,
+        nu: float,
+        density: float | None = None,
+        hypothesis: str | None = None,
+        integration: str = "full",
+    ) -> None:
+        if integration == "reduced":
+            raise ValueError(
+                f"{type(self).__name__} has internal variables: one point with hourglass control (integration="
+                "'reduced') would keep the elastic stiffness of the hourglass modes while the material flows. Take "
+                "integration='full', which averages the dilatation of each cell and does not lock"
+            )
+        super().__init__(E, nu, density, hypothesis, integration)
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any) -> inelastic.Update:
         """Stress and new history at a point, in UFL; a law of one's own writes this.

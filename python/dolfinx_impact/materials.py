@@ -21,6 +21,13 @@ from .common.fixed import Fixed
 from .forms import materials as laws
 
 
+INTEGRATIONS = ("full", "reduced")
+NOT_AXISYMMETRIC = (
+    "integration='reduced' is not for axisymmetric bodies: the hoop strain u/r is no part of the mean gradient. Take "
+    "integration='full'"
+)
+
+
 def mesh_of(u: Any) -> Mesh:
     """Mesh of a displacement.
 
@@ -53,6 +60,8 @@ class _Material(Fixed):
         nu: Poisson's ratio, between -1 and 0.5, both excluded [1].
         density: None where no mass is asked for; zero, of a body without weight, in static problems only [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric" (x is the radius).
+        integration: "full", or "reduced": one point and hourglass control, on quadrilaterals and hexahedra of degree
+            1; docs/one_point.md.
 
     Raises:
         ValueError: a value outside its range; the message says which and what to do.
@@ -61,7 +70,14 @@ class _Material(Fixed):
 
     law_class: type[laws.Law]
 
-    def __init__(self, E: float, nu: float, density: float | None = None, hypothesis: str | None = None) -> None:
+    def __init__(
+        self,
+        E: float,
+        nu: float,
+        density: float | None = None,
+        hypothesis: str | None = None,
+        integration: str = "full",
+    ) -> None:
         self.E = number("Young's modulus E", E, 0.0, " [F/L^2]")
         self.nu = number("Poisson's ratio nu", nu)
         if self.nu == 0.5:
@@ -77,12 +93,18 @@ class _Material(Fixed):
         if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
             raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
         self.hypothesis = hypothesis
+        if integration not in INTEGRATIONS:
+            raise ValueError(f"integration is {integration!r}: use one of {', '.join(map(repr, INTEGRATIONS))}")
+        if integration == "reduced" and hypothesis == "axisymmetric":
+            raise ValueError(NOT_AXISYMMETRIC)
+        self.integration = integration
         self.cell_tags = None
         self._constants: dict[tuple[int, str], Constant] = {}
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r})"
+            f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r}"
+            f"{'' if self.integration == 'full' else f', integration={self.integration!r}'})"
         )
 
     def hypothesis_on(self, mesh: Mesh) -> str:
@@ -122,7 +144,7 @@ class _Material(Fixed):
     def law(self, mesh: Mesh) -> laws.Law:
         """The law in UFL with parameters as constants of the mesh (forms/materials.py)."""
         E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
-        return self.law_class(E, nu, self.hypothesis_on(mesh))
+        return self.law_class(E, nu, self.hypothesis_on(mesh), self.integration)
 
     def elastic_law(self, mesh: Mesh) -> laws.Law:
         """The law, or of materials with internal variables its elastic part.
@@ -341,6 +363,11 @@ class MaterialMap(Fixed):
         return self._cell_numbers
 
     @property
+    def integration(self) -> str:
+        """Integration of all materials."""
+        return next(iter(self.materials.values())).integration
+
+    @property
     def wave_speed(self) -> float:
         """Largest of the materials' wave speeds [L/T]."""
         return max(m.wave_speed for m in self.materials.values())
@@ -365,6 +392,8 @@ def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
     hypotheses = {m.hypothesis for m in materials.values()}
     if len(hypotheses) > 1:
         raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
+    if len({m.integration for m in materials.values()}) > 1:
+        raise ValueError("materials of one mesh share one integration, found 'full' and 'reduced'")
     tdim = cell_tags.topology.dim
     if cell_tags.dim != tdim:
         raise ValueError(f"materials need tags of cells (dimension {tdim}), found tags of dimension {cell_tags.dim}")

@@ -122,6 +122,7 @@ class J2Plasticity(InelasticMaterial):
             projected on those of degree 2, which lock without.
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric". In plane stress of
             finite strain the history "thickness_strain" is the logarithm of the stretch across the plane.
+        integration: "full"; one point with hourglass control is refused.
 
     Attributes:
         steepest_softening: the least slope of the yield stress if it is negative, or 0 [F/L^2].
@@ -142,8 +143,9 @@ class J2Plasticity(InelasticMaterial):
         finite_strain: bool = False,
         average: bool | str = "auto",
         hypothesis: str | None = None,
+        integration: str = "full",
     ) -> None:
-        super().__init__(E, nu, density, hypothesis)
+        super().__init__(E, nu, density, hypothesis, integration)
         if yield_stress is None and isinstance(hardening, Table):
             yield_stress = float(hardening.stresses[0])
         if yield_stress is None:

@@ -13,6 +13,7 @@ from . import (
     interface,
     model,
     newmark,
+    one_point,
     plastic_body,
     plasticity,
     rigid_body,
@@ -60,6 +61,7 @@ from .interface import (
 )
 from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
+from .one_point import OnePointForces, OnePointRun, element_one_point, run_one_point
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
 from .rigid_body import RigidBody
@@ -96,6 +98,8 @@ __all__ = [
     "NewmarkScheme",
     "NodalKinematic",
     "NodalPenalty",
+    "OnePointForces",
+    "OnePointRun",
     "PlasticBody",
     "PlasticElement",
     "PlasticStates",
@@ -130,6 +134,7 @@ __all__ = [
     "element_internal_force",
     "element_lumped_mass",
     "element_mass",
+    "element_one_point",
     "element_plastic",
     "element_poisson",
     "element_scalar_load",
@@ -147,6 +152,7 @@ __all__ = [
     "interface",
     "model",
     "newmark",
+    "one_point",
     "plastic_body",
     "plasticity",
     "quadrature",
@@ -156,6 +162,7 @@ __all__ = [
     "rolling",
     "rotation",
     "rules",
+    "run_one_point",
     "second_piola",
     "shape_functions",
     "sparse",

@@ -13,6 +13,7 @@ from . import (
     derivative,
     element,
     material,
+    one_point,
     order,
     plastic_bodies,
     ranks,
@@ -87,6 +88,8 @@ def cross_check(
         if len(cases) > 20:
             element.compile_all(cases, progress)
         element.run(report, cases, count, progress)
+        if names is None:
+            one_point.run_elements(report)
     with model_warnings_off():
         run_bodies(report, levels, progress)
         if "order" in levels:
@@ -126,6 +129,7 @@ def run_bodies(report: Report, levels: Collection[str], progress: bool = True, a
             plastic_bodies.history_rows(report)
             runs_in_time.run_implicit(report)
             yielding_runs.run(report)
+            one_point.run_motion(report)
 
 
 def check_choice(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:

@@ -33,8 +33,8 @@ class Bar(Impact):
         E, nu, density, length, gap, speed: of the case. confined: the sides are on rollers (uniaxial strain).
     """
 
-    def __init__(self, E, density, length, gap, speed, nu=0.0, confined=False, n=100):
-        law = di.LinearElastic(E, nu, density, "plane_strain")
+    def __init__(self, E, density, length, gap, speed, nu=0.0, confined=False, n=100, integration="full"):
+        law = di.LinearElastic(E, nu, density, "plane_strain", integration)
         self.height, self.length, self.speed = 2 * length / n, length, speed
         super().__init__("block", law, size=(length, self.height), cells=(n, 2))
         self.throw(np.arange(len(self.X)), (-speed, 0.0))
@@ -87,6 +87,7 @@ CASES = {
     "sdnv100": dict(E=200e9, nu=0.3, density=8000.0, length=0.2, gap=2e-3, speed=100.0, confined=True),
     "doyen": dict(E=900.0, density=1.0, length=10.0, gap=5.0, speed=10.0),
 }
+CASES["one point"] = dict(CASES["carpenter"], integration="reduced")
 
 
 def test_the_cases_are_those_published():

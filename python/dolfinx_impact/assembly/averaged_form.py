@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Bilinear forms with averages over a cell, which FFCx does not know: their matrices column by column.
+"""Bilinear forms with averages over a cell, which FFCx does not know: their matrices column by column. So are those of
+cells with one point, whose matrices have so many factors that a compiler takes a minute for them.
 
 The form a(du, v) is compiled as a vector, a(d, v), of a coefficient d in the place of the trial function. Its kernel
 computes averages as those of values. Column j of a cell's matrix is this vector with the j-th degree of freedom of d
@@ -16,7 +17,8 @@ from ufl.algorithms import expand_derivatives
 
 from ..forms.compiler import averages, geometry
 from ..forms.consistent_tangent import DIRECTION
-from .jit import Compiled, compile_form
+from ..forms.reference_derivatives import has_reference_derivatives
+from .jit import Compiled, compile_form, find_form
 
 
 def has_averages(form: ufl.Form) -> bool:
@@ -26,6 +28,23 @@ def has_averages(form: ufl.Form) -> bool:
         form: UFL form.
     """
     return any(averages.has_averages(i.integrand()) for i in geometry.with_sizes(form).integrals())
+
+
+def _by_columns(form: ufl.Form) -> bool:
+    """Whether the matrices of a bilinear form are computed column by column."""
+    if has_averages(form):
+        return True
+    return any(has_reference_derivatives(i.integrand()) for i in form.integrals()) and find_form(form) is None
+
+
+def compile_matrices(form: ufl.Form, V: FunctionSpace) -> Compiled:
+    """Kernels of a bilinear form without averages over cells, of its matrices or of their columns. Collective.
+
+    Args:
+        form: UFL form of rank 2.
+        V: space of test and trial functions.
+    """
+    return compile_columns(form, V) if _by_columns(form) else compile_form(form)
 
 
 def split_averages(form: ufl.Form) -> tuple[ufl.Form | None, ufl.Form | None]:
@@ -38,7 +57,7 @@ def split_averages(form: ufl.Form) -> tuple[ufl.Form | None, ufl.Form | None]:
     Returns:
         Both parts; None where one has no integrals.
     """
-    if not has_averages(form):
+    if not _by_columns(form):
         return form, None
     parts: dict[bool, list[Any]] = {True: [], False: []}
     for integral in expand_derivatives(form).integrals():

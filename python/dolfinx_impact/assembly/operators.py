@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from .averaged_form import compile_columns, split_averages
 from .ffcx_form import ffcx_form
 from .interior_facets import interior_facets
+from .one_point import check_integration
 from ..common.described import Described
 from .. import _cpp, compat
 from ..common import arguments
@@ -706,11 +707,13 @@ def cells_measure(u: Function, material: Material) -> tuple[ufl.Measure, int]:
     """
     V = u.function_space
     mesh = V.mesh
-    degree = quadrature.stiffness_degree(
-        mesh.topology.cell_name(),
-        V.element.basix_element.degree,
-        compat.coordinate_element(mesh).degree,
-        material.hypothesis_on(mesh),
+    cell, p, g = mesh.topology.cell_name(), V.element.basix_element.degree, compat.coordinate_element(mesh).degree
+    check_integration(u, material)
+    reduced = material.integration == "reduced"
+    degree = (
+        quadrature.one_point_degree()
+        if reduced
+        else quadrature.stiffness_degree(cell, p, g, material.hypothesis_on(mesh))
     )
     metadata = quadrature.metadata(degree)
     return ufl.Measure("dx", domain=mesh, metadata=metadata, subdomain_data=material.cell_tags), degree

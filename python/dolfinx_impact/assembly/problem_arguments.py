@@ -6,6 +6,7 @@ from typing import Any
 
 from ..common import arguments
 from ..materials import MaterialMap, _Material
+from .one_point import check_integration
 from .residual import check_residual, check_tangent
 
 
@@ -112,6 +113,7 @@ def problem(
         if given_material.cell_tags is not None:
             arguments.tags("MaterialMap", given_material.cell_tags, mesh, tdim)
         arguments.radii(given_material.hypothesis_on(mesh), mesh)
+        check_integration(u, given_material)
     else:
         check_residual(residual, u, tangent is not None)
         arguments.radii("axisymmetric" if axisymmetric else None, mesh)

@@ -10,6 +10,7 @@ from .. import _cpp
 from ..common.types import FloatArray
 from ..contact.protocol import ExplicitContact
 from .advance_calls import check_not_written
+from .hourglass import HourglassEnergy
 from .penetration_share import PenetrationShare
 from .read_once import ReadOnce
 from .run_history import ENERGIES, RunHistory, total_energy
@@ -26,6 +27,7 @@ class CurrentState:
         contacts: contacts whose results are updated.
         history: RunHistory; the energy drift is computed from it.
         share: PenetrationShare, which the contacts get their share from.
+        hourglass: HourglassEnergy of the bodies.
         read: what was read of supports and rigid masters.
 
     Attributes:
@@ -41,10 +43,12 @@ class CurrentState:
         contacts: Sequence[ExplicitContact],
         history: RunHistory,
         share: PenetrationShare,
+        hourglass: HourglassEnergy,
         read: ReadOnce,
     ) -> None:
         self._cpp_object, self.integrator = problem, problem.integrator
         self.contacts, self.history, self.share, self.read = contacts, history, share, read
+        self.hourglass = hourglass
         self.functions = (displacement, velocity, acceleration)
         V = displacement.function_space
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
@@ -80,4 +84,6 @@ class CurrentState:
         self.share.update(values)
         for contact in self.contacts:
             contact.penetration_share = self.share.of(contact.stored, values) if contact.is_penalty else 0.0
-        self.energy = {**values, "total": total_energy(values), "drift": self.history.drift(values)}
+        self.hourglass.add(values["internal"])
+        own = self.hourglass.entry()
+        self.energy = {**values, **own, "total": total_energy(values), "drift": self.history.drift(values)}

@@ -42,6 +42,7 @@ from .explicit_bodies import ExplicitBodies
 from .functions_of_time import FunctionsOfTime
 from ..contact.names import named_apart
 from .in_time import contacts_in_time, prescribed_motion
+from .hourglass import HourglassEnergy
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
 from .read_once import ReadOnce
@@ -228,7 +229,7 @@ class ExplicitProblem(TransientProblem):
         )  # fmt: skip
         self._state = CurrentState(
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share,
-            ReadOnce(self._cpp_object.supports, self.contact),
+            HourglassEnergy(u, material), ReadOnce(self._cpp_object.supports, self.contact),
         )  # fmt: skip
         self._calls = AdvanceCalls()
         self._stepper = TimeStepper(
@@ -434,7 +435,8 @@ class ExplicitProblem(TransientProblem):
     @property
     def energy(self) -> dict[str, float]:
         """Energies at the present time: kinetic, internal, contact, friction, impact, damping, viscosity, plastic,
-        external, total [F L] and drift [1]; docs/explicit/energies.md."""
+        external, total [F L] and drift [1], docs/explicit/energies.md; of bodies with integration="reduced" hourglass,
+        a part of internal [F L], docs/one_point.md."""
         return dict(self._state.energy)
 
     def unsolved_points(self) -> str:

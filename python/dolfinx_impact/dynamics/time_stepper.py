@@ -122,6 +122,7 @@ class TimeStepper:
             RuntimeError: springs do not bear the static force; on all ranks.
         """
         self.state.share.begin_anew()
+        self.state.hourglass.begin_anew()
         if equilibrium is None:
             self._raise(self._cpp_object.start(self))
         else:
@@ -136,6 +137,7 @@ class TimeStepper:
             schedule: steps of an `advance` that was interrupted; None: there was none.
         """
         self.state.share.begin_anew()
+        self.state.hourglass.begin_anew()
         self._cpp_object.resume(saved, schedule, self)
 
     def check_unchanged(self) -> None:
@@ -201,6 +203,7 @@ class TimeStepper:
                 self._callback = self._interrupts = self._shown = None
             self.state.update()
             self.state.share.warn()
+            self.state.hourglass.warn()
             self._rotation.look(self.state.functions[0], stacklevel=3)
             interrupts.check()
 
@@ -251,7 +254,7 @@ class TimeStepper:
     def room(self) -> int:
         """Number of steps until a recorder or the callback is due."""
         waits = [recorder.steps_left() for recorder in self.recorders]
-        return 1 if self._callback else min([MANY, *waits])
+        return 1 if self._callback else min([self.state.hourglass.steps_left(MANY), *waits])
 
     def table(self, times: FloatArray) -> FloatArray:
         """Sample the functions of time. Collective.
@@ -277,6 +280,7 @@ class TimeStepper:
             return
         rows = self.history.rows(times, steps.view(self.history.step_type))
         self.state.share.add(rows)
+        self.state.hourglass.add(float(np.max(rows["internal"])), len(rows))
         for recorder in self.recorders:
             recorder.add(rows)
 
@@ -286,6 +290,9 @@ class TimeStepper:
         for recorder in self.recorders:
             recorder.after()
         error = self._call(self._callback) if self._callback else None
+        if self.state.hourglass.due:
+            self.state.update_functions()
+            self.state.hourglass.entry()
         self._interrupts.check(error or attempt(self._show)[1])
 
     def _show(self) -> None:
@@ -305,3 +312,4 @@ class TimeStepper:
         """Write what there is before the run goes back to its last good state."""
         self._flush_recorders()
         self.state.share.begin_anew()
+        self.state.hourglass.begin_anew()

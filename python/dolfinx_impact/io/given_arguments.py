@@ -123,14 +123,14 @@ class GivenArguments:
         """
         tags = material.cell_tags
         parts = material.parts()
-        self.table[name] = ", ".join(
-            type(m).__name__ if tag is None else f"{tag}: {type(m).__name__}" for tag, m in parts
-        )
+        # Checkpoints that are older than `integration` are of full integration: it is not named.
+        kinds = [type(m).__name__ + ("" if m.integration == "full" else f" ({m.integration})") for _, m in parts]
+        self.table[name] = ", ".join(k if tag is None else f"{tag}: {k}" for k, (tag, _) in zip(kinds, parts))
         for tag, m in parts:
             of = name if tag is None else f"{name}[{tag}]"
             if tag is not None and tags is not None:
                 self.table[f"{of}.cells"] = cells_with(tags, tag)
-            self.add_attributes(of, m, but=("cell_tags", "steepest_softening"))
+            self.add_attributes(of, m, but=("cell_tags", "steepest_softening", "integration"))
             for key in ("finite_strain", "average", "history", "unknown"):  # of laws with internal variables
                 if hasattr(m, key):
                     self.table[f"{of}.{key}"] = short(_text(getattr(m, key)))

@@ -45,6 +45,11 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
         motion.check(mesh)
     if material.hypothesis_on(mesh) == "axisymmetric":
         raise ValueError("hypothesis 'axisymmetric': a body that spins about z is not axisymmetric in the (r, z) plane")
+    if material.integration == "reduced":
+        raise ValueError(
+            "integration='reduced' is not for rolling problems: the inertia of the flow through the mesh knows nothing "
+            "of hourglass modes, and would drive them. Take integration='full'"
+        )
     for tag, m in material.parts():
         m.mass_density(mesh)
         if isinstance(m, InelasticMaterial):

@@ -10,6 +10,7 @@ from dolfinx import fem
 
 from .. import _cpp
 from ..assembly import operators
+from ..assembly.averaged_form import compile_matrices
 from ..assembly.ffcx_form import ffcx_form
 from ..assembly.material_history import MaterialHistory
 from ..assembly.inelastic_part import InelasticParts
@@ -51,7 +52,7 @@ class MaterialBody(AssembledBody):
             tangent = operators.tangent_form(u, du, v, material)
             contains, varies = depends_on(tangent, u)
             forces.append(InternalForce(elastic))
-            kernels.append(BilinearKernels(tangent, compile_form(tangent)))
+            kernels.append(BilinearKernels(tangent, compile_matrices(tangent, V)))
         self.parts = parts = InelasticParts(u, material)
         self.force: InternalForce | None = None
         self.history: MaterialHistory | None = None

@@ -49,6 +49,7 @@ from ...recording.output_options import output_options
 from ..recorder import Recorder, check_arguments
 from ...contact.names import named_apart
 from ..in_time import implicit_bodies, implicit_contact, prescribed_motion
+from ..hourglass import HourglassEnergy
 from ..run_history import ENERGIES, RunHistory, total_energy
 from ..subject import in_time
 from ..transient_problem import TransientProblem
@@ -290,6 +291,7 @@ class NewmarkProblem(TransientProblem):
         self.stepper = ImplicitStepper(
             self._cpp_object, self.comm, u, self.velocity, material, self.inputs, self.read, self.evaluates
         )
+        self._hourglass = HourglassEnergy(u, material)
         self._restart = ImplicitRestart(in_time(self), self, self._set_energy)
         self._set_energy()
         self._warn_of_small_steps()
@@ -407,7 +409,9 @@ class NewmarkProblem(TransientProblem):
         """
         if values is None:
             values = dict(zip(ENERGIES, map(float, self._cpp_object.energies())))
-        self._energy = {**values, "total": total_energy(values), "drift": self._history.drift(values)}
+        self._hourglass.add(values["internal"])
+        own = self._hourglass.entry()
+        self._energy = {**values, **own, "total": total_energy(values), "drift": self._history.drift(values)}
 
     # --- running ---------------------------------------------------------------------------------------------------
 
@@ -497,6 +501,7 @@ class NewmarkProblem(TransientProblem):
         limits = StepLimits(dt, tolerance, smallest, rtol, atol, max_iterations)
         told = self._take_row, self._accepted
         self.stepper.advance(until, limits, after, setting, self.sample, *told, progress, verbose)
+        self._hourglass.warn(stacklevel=3)
         self.linear_solver.warn_of_unused()
 
     @property

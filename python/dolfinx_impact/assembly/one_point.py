@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: MIT
+"""What cells with one point and hourglass control are for; docs/one_point.md."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dolfinx.fem import Function
+
+from .. import compat
+from ..forms.one_point import CELLS
+from ..materials import NOT_AXISYMMETRIC, Material
+
+
+def check_integration(u: Function, material: Material) -> None:
+    """Refuse one point with hourglass control where it is not for, on this rank.
+
+    Args:
+        u: displacement function.
+        material: material of the bodies.
+
+    Raises:
+        ValueError: other cells than quadrilaterals and hexahedra, a displacement or geometry of another degree than 1,
+            or axisymmetric bodies.
+    """
+    if material.integration != "reduced":
+        return
+    V, mesh = u.function_space, u.function_space.mesh
+    cell, element = mesh.topology.cell_name(), V.element.basix_element
+    degrees: tuple[Any, ...] = (element.degree, compat.coordinate_element(mesh).degree)
+    if cell not in CELLS or degrees != (1, 1):
+        raise ValueError(
+            "integration='reduced' is for quadrilaterals and hexahedra of degree 1 with straight edges, found "
+            f"{cell} cells, a displacement of degree {degrees[0]} and a geometry of degree {degrees[1]}: take "
+            "integration='full'"
+        )
+    if material.hypothesis_on(mesh) == "axisymmetric":
+        raise ValueError(NOT_AXISYMMETRIC)

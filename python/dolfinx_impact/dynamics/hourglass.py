@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: MIT
+"""Energy of the hourglass modes of bodies with one point per cell, and a warning of much; docs/one_point.md."""
+
+from __future__ import annotations
+
+import warnings
+
+from dolfinx.fem import Function
+
+from ..assembly import operators
+from ..common.described import Described
+from ..forms import one_point
+from ..materials import MaterialMap, _Material
+
+WARN = 0.05  # part of the internal energy that is warned of: common limit for hourglass energy, of Belytschko et al.
+EVERY = 500  # steps between two looks at the energy: a look costs about a step
+
+
+class Hourglassing(UserWarning):
+    """Much of the internal energy is in hourglass modes."""
+
+
+class HourglassEnergy(Described):
+    """Part of the internal energy that is in hourglass modes.
+
+    Args:
+        u: displacement function [L].
+        material: material of the bodies; None: the residual is the user's own.
+    """
+
+    def __init__(self, u: Function, material: _Material | MaterialMap | None) -> None:
+        self._u, self._comm = u, u.function_space.mesh.comm
+        self._material = material if material is not None and material.integration == "reduced" else None
+        self._energy: operators.Energy | None = None
+        self.begin_anew()
+
+    def begin_anew(self) -> None:
+        """Forget the steps so far; the present state may be another one."""
+        self._internal = self._share = 0.0
+        self._num_steps, self._warned = 0, False
+
+    def steps_left(self, many: int) -> int:
+        """Number of steps until the energy is looked at.
+
+        Args:
+            many: number for bodies without hourglass modes.
+        """
+        return many if self._material is None else EVERY - self._num_steps
+
+    def add(self, internal: float, num_steps: int = 1) -> None:
+        """Take note of steps.
+
+        Args:
+            internal: largest internal energy of the steps [F L].
+            num_steps: number of steps [1].
+        """
+        self._internal = max(self._internal, internal)
+        self._num_steps += num_steps
+
+    @property
+    def due(self) -> bool:
+        """Whether there were so many steps that the energy has to be looked at."""
+        return self._material is not None and self._num_steps >= EVERY
+
+    def entry(self) -> dict[str, float]:
+        """Entry of the energies: "hourglass", the part of the internal energy at the present displacement that is in
+        hourglass modes [F L]; empty for bodies without. Collective."""
+        if self._material is None:
+            return {}
+        if self._energy is None:
+            u = self._u
+            form = operators.sum_laws(u, self._material, lambda law, dx: one_point.hourglass_energy(u, law, dx))
+            self._energy = operators.Energy(form)
+        value, self._num_steps = self._energy.value(), 0
+        if self._internal > 0.0:
+            self._share = max(self._share, value / self._internal)
+        return {"hourglass": value}
+
+    def warn(self, stacklevel: int = 4) -> None:
+        """Warn once, on rank 0, if much of the internal energy was in hourglass modes.
+
+        Args:
+            stacklevel: as for warnings.warn.
+        """
+        if self._warned or not self._share > WARN:
+            return
+        self._warned = True
+        if self._comm.rank == 0:
+            warnings.warn(
+                f"hourglass modes have {100 * self._share:.0f} % of the largest internal energy so far: more than "
+                f"{100 * WARN:.0f} % of the deformation is one that a single point per cell does not see. Take finer "
+                "cells, spread loads that act on single nodes, or integration='full'",
+                Hourglassing,
+                stacklevel=stacklevel,
+            )
