@@ -21,6 +21,10 @@ from .common.fixed import Fixed
 from .forms import materials as laws
 
 
+FULL, AVERAGED_PRESSURE = "full", "averaged_pressure"
+INTEGRATIONS = (FULL, AVERAGED_PRESSURE)
+
+
 def mesh_of(u: Any) -> Mesh:
     """Mesh of a displacement.
 
@@ -53,6 +57,8 @@ class _Material(Fixed):
         nu: Poisson's ratio, between -1 and 0.5, both excluded [1].
         density: None where no mass is asked for; zero, of a body without weight, in static problems only [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric" (x is the radius).
+        integration: "full"; or "averaged_pressure", the mean stress by averages at the nodes, for tetrahedra and
+            triangles of degree 1 that do not lock (docs/averaged_pressure.md).
 
     Raises:
         ValueError: a value outside its range; the message says which and what to do.
@@ -61,7 +67,14 @@ class _Material(Fixed):
 
     law_class: type[laws.Law]
 
-    def __init__(self, E: float, nu: float, density: float | None = None, hypothesis: str | None = None) -> None:
+    def __init__(
+        self,
+        E: float,
+        nu: float,
+        density: float | None = None,
+        hypothesis: str | None = None,
+        integration: str = FULL,
+    ) -> None:
         self.E = number("Young's modulus E", E, 0.0, " [F/L^2]")
         self.nu = number("Poisson's ratio nu", nu)
         if self.nu == 0.5:
@@ -76,14 +89,21 @@ class _Material(Fixed):
             raise ValueError(f"density is {self.density}: it must not be negative [M/L^3]")
         if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
             raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
+        if integration not in INTEGRATIONS:
+            raise ValueError(f"integration {integration!r} is unknown: use one of {', '.join(INTEGRATIONS)}")
         self.hypothesis = hypothesis
+        self.integration = integration
         self.cell_tags = None
         self._constants: dict[tuple[int, str], Constant] = {}
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r})"
+            f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r}"
+            f"{self._repr_of_integration()})"
         )
+
+    def _repr_of_integration(self) -> str:
+        return "" if self.integration == FULL else f", integration={self.integration!r}"
 
     def hypothesis_on(self, mesh: Mesh) -> str:
         """The hypothesis on a given mesh; "3d" when none was given and the mesh is 3D.
@@ -120,7 +140,19 @@ class _Material(Fixed):
         return {name: c for (of, name), c in self._constants.items() if of == _number_of(mesh)}
 
     def law(self, mesh: Mesh) -> laws.Law:
-        """The law in UFL with parameters as constants of the mesh (forms/materials.py)."""
+        """The law in UFL with parameters as constants of the mesh (forms/materials.py).
+
+        Raises:
+            TypeError: the pressure is averaged at the nodes, and is no function of a cell's displacement.
+        """
+        if self.integration == AVERAGED_PRESSURE:
+            raise TypeError(
+                f"the stress of {self!r} needs averages over the cells around nodes: give the material to a problem, "
+                "and read `problem.stress`"
+            )
+        return self._full_law(mesh)
+
+    def _full_law(self, mesh: Mesh) -> laws.Law:
         E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
         return self.law_class(E, nu, self.hypothesis_on(mesh))
 
@@ -130,7 +162,7 @@ class _Material(Fixed):
         Args:
             mesh: mesh.
         """
-        return self.law(mesh)
+        return self._full_law(mesh)
 
     def mass_density(self, mesh: Mesh) -> Constant:
         """Density as a constant of the mesh, for a mass.
