@@ -45,7 +45,7 @@ class InelasticPart:
         dx: UFL measure of the cells, with the quadrature degree.
         degree: that quadrature degree [1].
         tag: tag of the cells; None: all cells.
-        whole: material of the body, of which these cells are a part.
+        whole: material of the body, of which these cells are a part; None: they are all of it.
 
     Attributes:
         mean: means of the change of volume at the nodes, or None.
@@ -61,13 +61,14 @@ class InelasticPart:
         dx: ufl.Measure,
         degree: int,
         tag: int | None,
-        whole: Material,
+        whole: Material | None = None,
     ) -> None:
         V = u.function_space
         self.u, self.material, self.dx, self.degree, self.tag, self.mesh = u, material, dx, degree, tag, V.mesh
         self.kinematics = material.kinematics(V.mesh, V.element.basix_element.degree)
         self.mean: NodalMean | None = None
         if is_averaged(material):
+            whole = material if whole is None else whole
             self.mean = mean_of(u, material, whole, cells_measure(u, whole)[0])
             finite = material.finite_strain
             self.kinematics = AveragedKinematics(material.hypothesis_on(V.mesh), finite, self.mean)

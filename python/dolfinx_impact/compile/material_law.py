@@ -36,7 +36,7 @@ def law_of_material(material: _Material, name: str, mesh: Mesh, case: Case) -> O
     missing = {}
     names: dict[Named, str] = {u: DISPLACEMENT}
     if isinstance(material, InelasticMaterial):
-        part = InelasticPart(u, material, dx, degree, None, material)
+        part = InelasticPart(u, material, dx, degree, None)
         tangent, of_tangent = part.tangent_form()
         names |= of_tangent
         forms = {

@@ -33,7 +33,7 @@ from .. import _cpp, compat
 from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
-from ..materials import Material
+from ..materials import FULL, Material
 
 LONG = 2000  # characters; the rest of a longer text is replaced by a checksum
 SUMS = "sums of "  # beginning of the names of arrays
@@ -130,7 +130,9 @@ class GivenArguments:
             of = name if tag is None else f"{name}[{tag}]"
             if tag is not None and tags is not None:
                 self.table[f"{of}.cells"] = cells_with(tags, tag)
-            self.add_attributes(of, m, but=("cell_tags", "steepest_softening"))
+            # Checkpoints are older than other integrations.
+            left_out = ("integration",) if m.integration == FULL else ()
+            self.add_attributes(of, m, but=("cell_tags", "steepest_softening", *left_out))
             for key in ("finite_strain", "average", "history", "unknown"):  # of laws with internal variables
                 if hasattr(m, key):
                     self.table[f"{of}.{key}"] = short(_text(getattr(m, key)))

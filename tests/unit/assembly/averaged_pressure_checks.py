@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Means at nodes whose cells are on several ranks: forces, tangents, runs and checkpoints. See on_ranks.py."""
 
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact.assembly import operators
+from dolfinx_impact.assembly.locking import Locking
 
 COMM = MPI.COMM_WORLD
 LAWS = (di.LinearElastic, di.NeoHookean)
@@ -91,13 +93,13 @@ def check_tangent_is_the_derivative_of_the_force():
         assert COMM.allreduce(float(np.sum((change - y.array) ** 2))) ** 0.5 < 1e-6 * size
 
 
-def run(comm, until=0.4):
+def run(comm, until=0.4, integration="averaged_pressure"):
     """A plastic cube thrown against a plane."""
     V = cube(comm, 2)
     u, v = fem.Function(V, name="u"), fem.Function(V)
     v.interpolate(lambda x: np.array([0.01 * x[1], 0 * x[0], 0.01 * x[0] - 0.2]))
     steel = di.J2Plasticity(
-        1.0, 0.4, 1.0, yield_stress=0.02, hardening=0.1, finite_strain=True, integration="averaged_pressure"
+        1.0, 0.4, 1.0, yield_stress=0.02, hardening=0.1, finite_strain=True, integration=integration
     )
     facets = mesh.locate_entities_boundary(V.mesh, 2, lambda x: np.isclose(x[2], 0.0))
     tags = mesh.meshtags(V.mesh, 2, np.sort(facets), np.full(len(facets), 1, dtype=np.int32))
@@ -129,6 +131,11 @@ def check_checkpoint():
         problem.restore(file)
         problem.advance(0.4, dt=0.02, progress=False)
         assert np.array_equal(problem.u.x.array, state)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Locking)
+            plain = run(COMM, 0.02, "full")
+        with pytest.raises(ValueError, match="of another problem.*integration"):
+            plain.restore(file)
 
 
 def check_vectors_have_ghosts():
