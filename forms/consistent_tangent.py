@@ -81,7 +81,7 @@ def consistent_tangent(
     Raises:
         ValueError: the stress has a maximum over a cell.
     """
-    update = response.respond(kinematics.strain(u), dict(symbols.history), symbols.unknown)
+    update = kinematics.respond(response, u, symbols)
     if any(has_maximum(e) for e in (update.stress, update.residual) if e is not None):
         raise ValueError(
             "the stress of a law has a maximum over a cell, which has no derivative: static problems need one. "

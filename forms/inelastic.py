@@ -251,6 +251,16 @@ class Kinematics:
         F = ufl.Identity(3) + g
         return (theta / ufl.det(F)) ** (1 / 3) * F if self.average else F
 
+    def respond(self, response: "PointResponse", u: Any, symbols: "Symbols") -> Update:
+        """What a law computes of a displacement.
+
+        Args:
+            response: the law.
+            u: displacement [L].
+            symbols: its history and unknowns.
+        """
+        return response.respond(self.strain(u), dict(symbols.history), symbols.unknown)
+
     def virtual_strain(self, u: Any, v: Any, theta: Any = None, theta_v: Any = None) -> Any:
         """Derivative of `strain` in the direction v.
 
@@ -360,7 +370,7 @@ def force_and_law(
     """
     mesh = ufl.domain.extract_unique_domain(u)
     strain = kinematics.strain(u)
-    update = response.respond(strain, dict(symbols.history), symbols.unknown)
+    update = kinematics.respond(response, u, symbols)
     outputs = {name: ufl.as_ufl(update.outputs[name]) for name in symbols.history}
     if symbols.unknown is not None:
         outputs[UNKNOWN] = symbols.unknown

@@ -22,6 +22,8 @@ xy) in the plane, of another symmetric tensor (xx, yy, zz, xy, yz, xz) and (xx, 
 virgin state.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -210,6 +212,32 @@ class J2:
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any = None) -> Update:
         return (self._finite if self.finite_strain else self._small)(strain, history, unknown)
+
+    def volume_energy(self, values: Sequence[Any]) -> Any:
+        """Mean over some changes of volume of what they store (forms/averaged_pressure.py: VolumetricResponse).
+
+        Args:
+            values: tr(eps), in finite strain J [1].
+        """
+        n = len(values)
+        squares = sum(value**2 for value in values) / n
+        if not self.finite_strain:
+            return self.kappa / 2 * squares
+        return self.kappa / 2 * ((squares - 1) / 2 - ufl.ln(math.prod(values)) / n)
+
+    def volume_pressure(self, values: Sequence[Any]) -> Any:
+        """Mean over some changes of volume of the mean stress, in finite strain Cauchy's.
+
+        Args:
+            values: tr(eps), in finite strain J [1].
+        """
+        n = len(values)
+        mean = sum(values) / n
+        if not self.finite_strain:
+            return self.kappa * mean
+        # One division: the sum of reciprocals over the product.
+        others = sum(math.prod(values[:i] + values[i + 1 :]) for i in range(n))
+        return self.kappa / 2 * (mean - others / math.prod(values) / n)
 
     def _with_strength(self, residual: Any, alpha: Any) -> Any:
         """A residual that has no root where the yield stress has fallen to zero: kernels then report the point."""

@@ -5,6 +5,7 @@
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
 #include "dolfinx_impact/operators/KernelTangent.h"
+#include "dolfinx_impact/operators/NodalAverage.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
@@ -55,6 +56,13 @@ void bind_tangent(nb::module_& m)
           nb::arg("test"), nb::arg("trial"), nb::arg("integrals"), nb::arg("sources"), nb::arg("other").none(),
           "sources: of the coefficients of each integral, in the kernel's order. Collective")
       .def("assemble", &KernelTangent::assemble, nb::arg("bcs"), "Rows and columns of bcs are zeroed. Collective")
+      .def(
+          "add_average",
+          [](KernelTangent& self, std::shared_ptr<NodalAverage> average, std::shared_ptr<KernelTangent> force,
+             std::shared_ptr<KernelTangent> measure)
+          { self.add_average({std::move(average), std::move(force), std::move(measure)}); },
+          nb::arg("average"), nb::arg("force"), nb::arg("measure"),
+          "Add the derivative by averages at the nodes: force (by average) times measure (by displacement). Collective")
       .def("set_constants",
            [](KernelTangent& self, std::size_t i, Values c) { self.set_constants(i, {c.data(), c.size()}); })
       .def_prop_ro("matrix", &KernelTangent::matrix, nb::rv_policy::reference);
@@ -183,7 +191,18 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
               self.assemble({b.data(), b.size()});
           },
           nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
+      .def("add_average", &InternalForce::add_average, nb::arg("average"), nb::arg("displacement"),
+           "Compute averages at the nodes before every evaluation, which is then collective")
       .def_prop_ro("flops", &InternalForce::flops);
+  nb::class_<NodalAverage>(m, "NodalAverage", "Averages at the nodes of a measure of the cells around them")
+      .def(
+          "__init__",
+          [](NodalAverage* self, std::shared_ptr<InternalForce> measure, const InternalForce& volume,
+             std::shared_ptr<Function> average, std::string displacement)
+          { new (self) NodalAverage(std::move(measure), volume, std::move(average), std::move(displacement)); },
+          nb::arg("measure"), nb::arg("volume"), nb::arg("average"), nb::arg("displacement"),
+          "displacement: its name in the kernels of measure. Collective")
+      .def("update", &NodalAverage::update, "At the present displacement. Collective");
   bind_tangent(m);
   m.def(
       "nodal_averages",

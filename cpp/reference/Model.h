@@ -47,6 +47,10 @@ public:
   Vector internal_force(const Rule& rule, const Vector& u) const;                        ///< [F]
   Csr tangent(const Rule& rule, const Vector& u) const;                                  ///< [F/L]
   Csr elastic_tangent(const Rule& rule, const Vector& u) const;                          ///< without springs [F/L]
+  /// Let `energy` and `internal_force` have pressures averaged at the nodes from now on (NodalPressure.h): that of
+  /// lambda (tr eps)^2 / 2 or lambda (ln J)^2 / 2. There is no tangent then.
+  /// @throws std::invalid_argument for cells, hypotheses and laws that this is not for
+  void average_pressure();
   /// Stress at the points of every cell, rows cell-major, and the positions of these points.
   std::array<Matrix, 2> stress(const Rule& rule, const Vector& u) const;
 
@@ -94,6 +98,8 @@ public:
   Matrix rigid_modes() const;
 
 private:
+  /// Material of a cell, without what is averaged at the nodes.
+  Material own_material(std::int64_t cell) const;
   FacetSampler facet_sampler(const Rule& rule) const;
   FacetPlace locate(const Cells& facets, std::int64_t row) const;
   template <typename F>
@@ -108,7 +114,7 @@ private:
   std::vector<Material> materials_;
   std::vector<int> tags_, material_of_cell_; // tags of the materials
   Hypothesis hypothesis_;
-  bool linear_, on_foundation_ = false;
+  bool linear_, on_foundation_ = false, averages_pressure_ = false;
   Csr springs_, dashpots_, added_mass_;
 };
 } // namespace impact_reference

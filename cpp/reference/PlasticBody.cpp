@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "PlasticBody.h"
+#include "NodalPressure.h"
 #include "rigid.h"
 #include "solve.h"
 #include <algorithm>
@@ -64,6 +65,8 @@ Matrix PlasticBody::stiffness_at_rest(std::int64_t cell) const
 PlasticBody::Trial PlasticBody::evaluate(const Vector& u, bool with_tangent) const
 {
   model_.check_vector(u);
+  if (averages_pressure_ and with_tangent)
+    throw std::invalid_argument("with pressures averaged at the nodes there is no tangent here");
   const int n = sampler_.num_points();
   Trial trial;
   trial.force = Vector::Zero(u.size());
@@ -98,7 +101,33 @@ PlasticBody::Trial PlasticBody::evaluate(const Vector& u, bool with_tangent) con
     if (with_tangent)
       model_.pattern().add(trial.tangent, model_.gdim(), model_.cell_nodes(c), answer.tangent);
   }
+  if (averages_pressure_)
+  {
+    // All but a share of the volumetric part of the cells is replaced by that of the nodes.
+    constexpr double replaced = 0.999;
+    const bool small = not finite_strain();
+    const auto law = [&](int tag)
+    {
+      const J2Parameters& p = laws_.at(tag).parameters();
+      return plastic_law(p.E / (3 * (1 - 2 * p.nu)), small);
+    };
+    const NodalPressure pressure(model_);
+    const NodalPressure::Answer nodes = pressure.at_nodes(u, small, law), cells = pressure.in_cells(u, small, law);
+    trial.force += replaced * (nodes.force - cells.force);
+    trial.energy += replaced * (nodes.energy - cells.energy);
+  }
   return trial;
+}
+
+void PlasticBody::average_pressure()
+{
+  const NodalPressure checked(model_);
+  if (kinematics_.strain == PlasticStrain::hencky or kinematics_.dilatation != Dilatation::pointwise)
+    throw std::invalid_argument("pressure is averaged at nodes of small strain or Simo's law, without mean dilatation");
+  for (std::int64_t c = 0; c < model_.num_cells(); ++c)
+    if (not laws_.contains(model_.tag(c)))
+      throw std::invalid_argument("pressure is averaged at nodes where all cells have a plastic law");
+  averages_pressure_ = true;
 }
 
 namespace

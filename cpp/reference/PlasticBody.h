@@ -29,6 +29,12 @@ public:
   PlasticBody(const Model& model, const Rule& rule, const std::map<int, J2Parameters>& laws, PlasticStrain strain,
               Dilatation dilatation);
 
+  /// Let `evaluate` average pressures at the nodes from now on (NodalPressure.h), but for a share of 0.1 % that cells
+  /// keep to themselves. There is no tangent then, and stresses are those of the cells' own pressure.
+  /// @throws std::invalid_argument for cells and hypotheses that this is not for, Hencky's law, a mean dilatation, or
+  /// elastic cells
+  void average_pressure();
+
   const Model& model() const { return model_; }
   bool finite_strain() const { return kinematics_.strain != PlasticStrain::small; }
   Trial evaluate(const Vector& u, bool with_tangent) const;
@@ -47,6 +53,7 @@ private:
   PlasticKinematics kinematics_;
   std::map<int, J2> laws_;
   std::vector<J2History> history_;
+  bool averages_pressure_ = false;
 };
 
 /// States at the ends of the steps of a static analysis.

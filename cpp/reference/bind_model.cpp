@@ -53,6 +53,7 @@ void bind_model(nb::module_& m)
            { return s.follower_pressure({p, w}, facets, u, pressure); })
       .def("foundation",
            [](const Model& s, P p, W w, const Cells& facets, V k) { return s.foundation({p, w}, facets, k); })
+      .def("average_pressure", &Model::average_pressure)
       .def("add_mass", &Model::add_mass)
       .def("add_foundation", &Model::add_foundation)
       .def_prop_ro(

@@ -163,6 +163,7 @@ void bind_plasticity(nb::module_& m)
              const std::string& strain, const std::string& theta)
           { new (self) PlasticBody(model, {points, weights}, laws, plastic_strain(strain), dilatation(theta)); },
           nb::keep_alive<1, 2>())
+      .def("average_pressure", &PlasticBody::average_pressure)
       .def("evaluate", &PlasticBody::evaluate)
       .def("commit", &PlasticBody::commit)
       .def_prop_ro(

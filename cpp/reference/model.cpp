@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "Model.h"
+#include "NodalPressure.h"
 #include <algorithm>
 #include <stdexcept>
 
@@ -159,13 +160,48 @@ Csr Model::damping(const Rule& rule, const Rule& mass_rule, double alpha, double
   return C;
 }
 
+namespace
+{
+// Energy and force of the pressures at the nodes.
+NodalPressure::Answer nodal_answer(const Model& model, const Vector& u)
+{
+  std::map<int, NodalPressure::Law> laws;
+  for (std::int64_t c = 0; c < model.num_cells(); ++c)
+    if (not laws.contains(model.tag(c)))
+      laws[model.tag(c)] = squared_law(lame(model.material(c))[0], model.linear());
+  return NodalPressure(model).at_nodes(u, model.linear(), [&](int tag) { return laws.at(tag); });
+}
+} // namespace
+
+void Model::average_pressure()
+{
+  const NodalPressure checked(*this);
+  for (const Material& m : materials_)
+    if (m.law != materials_[0].law or (m.law != "linear_elastic" and m.law != "neo_hookean"))
+      throw std::invalid_argument("pressure is averaged at nodes of linear_elastic or of neo_hookean bodies only");
+  averages_pressure_ = true;
+}
+
+Material Model::own_material(std::int64_t cell) const
+{
+  Material own = material(cell);
+  if (averages_pressure_) // the same shear modulus, and lambda = 0
+  {
+    own.E = 2 * lame(own)[1];
+    own.nu = 0;
+  }
+  return own;
+}
+
 double Model::energy(const Rule& rule, const Vector& u) const
 {
   check_vector(u);
   const Sampler s = sampler(rule);
   double sum = 0;
   for (std::int64_t c = 0; c < geometry_.cells.rows(); ++c)
-    sum += internal(s, cell_points(c), material(c), gather(u, c), false, c).energy;
+    sum += internal(s, cell_points(c), own_material(c), gather(u, c), false, c).energy;
+  if (averages_pressure_)
+    sum += nodal_answer(*this, u).energy;
   return sum + u.dot(springs_.dot(u)) / 2;
 }
 
@@ -173,9 +209,11 @@ Vector Model::internal_force(const Rule& rule, const Vector& u) const
 {
   check_vector(u);
   const Sampler s = sampler(rule);
-  return assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c)
-                         { return internal(s, X, material(c), gather(u, c), false, c).force; }) +
-         springs_.dot(u);
+  Vector force = assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c)
+                                 { return internal(s, X, own_material(c), gather(u, c), false, c).force; });
+  if (averages_pressure_)
+    force += nodal_answer(*this, u).force;
+  return force + springs_.dot(u);
 }
 
 Csr Model::tangent(const Rule& rule, const Vector& u) const
@@ -188,6 +226,8 @@ Csr Model::tangent(const Rule& rule, const Vector& u) const
 Csr Model::elastic_tangent(const Rule& rule, const Vector& u) const
 {
   check_vector(u);
+  if (averages_pressure_)
+    throw std::invalid_argument("with pressures averaged at the nodes there is no tangent here");
   const Sampler s = sampler(rule);
   return assemble(gdim(), [&](const Matrix& X, std::int64_t c)
                   { return internal(s, X, material(c), gather(u, c), true, c).tangent; });

@@ -26,7 +26,8 @@ class InelasticMaterial(_Material):
         nu: Poisson's ratio of the elastic part, between -1 and 0.5, both excluded [1].
         density: None where no mass is asked for [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric".
-        integration: "full"; one point with hourglass control is refused.
+        integration: "full"; or "averaged_pressure", for laws that give the mean stress of their update, on tetrahedra
+            and triangles of degree 1. One point with hourglass control is refused.
 
     Attributes:
         finite_strain: whether the law sees the deformation gradient instead of the small strain.

@@ -21,7 +21,8 @@ from .common.fixed import Fixed
 from .forms import materials as laws
 
 
-INTEGRATIONS = ("full", "reduced")
+FULL, REDUCED, AVERAGED_PRESSURE = "full", "reduced", "averaged_pressure"
+INTEGRATIONS = (FULL, REDUCED, AVERAGED_PRESSURE)
 NOT_AXISYMMETRIC = (
     "integration='reduced' is not for axisymmetric bodies: the hoop strain u/r is no part of the mean gradient. Take "
     "integration='full'"
@@ -60,8 +61,9 @@ class _Material(Fixed):
         nu: Poisson's ratio, between -1 and 0.5, both excluded [1].
         density: None where no mass is asked for; zero, of a body without weight, in static problems only [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric" (x is the radius).
-        integration: "full", or "reduced": one point and hourglass control, on quadrilaterals and hexahedra of degree
-            1; docs/one_point.md.
+        integration: "full"; "reduced", one point and hourglass control, on quadrilaterals and hexahedra of degree 1
+            (docs/one_point.md); or "averaged_pressure", the mean stress by averages at the nodes, for tetrahedra and
+            triangles of degree 1 that do not lock (docs/averaged_pressure.md).
 
     Raises:
         ValueError: a value outside its range; the message says which and what to do.
@@ -76,7 +78,7 @@ class _Material(Fixed):
         nu: float,
         density: float | None = None,
         hypothesis: str | None = None,
-        integration: str = "full",
+        integration: str = FULL,
     ) -> None:
         self.E = number("Young's modulus E", E, 0.0, " [F/L^2]")
         self.nu = number("Poisson's ratio nu", nu)
@@ -92,10 +94,10 @@ class _Material(Fixed):
             raise ValueError(f"density is {self.density}: it must not be negative [M/L^3]")
         if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
             raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
-        self.hypothesis = hypothesis
         if integration not in INTEGRATIONS:
-            raise ValueError(f"integration is {integration!r}: use one of {', '.join(map(repr, INTEGRATIONS))}")
-        if integration == "reduced" and hypothesis == "axisymmetric":
+            raise ValueError(f"integration {integration!r} is unknown: use one of {', '.join(INTEGRATIONS)}")
+        self.hypothesis = hypothesis
+        if integration == REDUCED and hypothesis == "axisymmetric":
             raise ValueError(NOT_AXISYMMETRIC)
         self.integration = integration
         self.cell_tags = None
@@ -104,8 +106,11 @@ class _Material(Fixed):
     def __repr__(self) -> str:
         return (
             f"{type(self).__name__}(E={self.E}, nu={self.nu}, density={self.density}, hypothesis={self.hypothesis!r}"
-            f"{'' if self.integration == 'full' else f', integration={self.integration!r}'})"
+            f"{self._repr_of_integration()})"
         )
+
+    def _repr_of_integration(self) -> str:
+        return "" if self.integration == FULL else f", integration={self.integration!r}"
 
     def hypothesis_on(self, mesh: Mesh) -> str:
         """The hypothesis on a given mesh; "3d" when none was given and the mesh is 3D.
@@ -142,9 +147,23 @@ class _Material(Fixed):
         return {name: c for (of, name), c in self._constants.items() if of == _number_of(mesh)}
 
     def law(self, mesh: Mesh) -> laws.Law:
-        """The law in UFL with parameters as constants of the mesh (forms/materials.py)."""
+        """The law in UFL with parameters as constants of the mesh (forms/materials.py).
+
+        Raises:
+            TypeError: the pressure is averaged at the nodes, and is no function of a cell's displacement.
+        """
+        if self.integration == AVERAGED_PRESSURE:
+            raise TypeError(
+                f"the stress of {self!r} needs averages over the cells around nodes: give the material to a problem, "
+                "and read `problem.stress`"
+            )
+        return self._full_law(mesh)
+
+    def _full_law(self, mesh: Mesh) -> laws.Law:
         E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
-        return self.law_class(E, nu, self.hypothesis_on(mesh), self.integration)
+        # Averages take the place of the law's own volumetric part, whose kernel is that of full integration.
+        integration = REDUCED if self.integration == REDUCED else FULL
+        return self.law_class(E, nu, self.hypothesis_on(mesh), integration)
 
     def elastic_law(self, mesh: Mesh) -> laws.Law:
         """The law, or of materials with internal variables its elastic part.
@@ -152,7 +171,7 @@ class _Material(Fixed):
         Args:
             mesh: mesh.
         """
-        return self.law(mesh)
+        return self._full_law(mesh)
 
     def mass_density(self, mesh: Mesh) -> Constant:
         """Density as a constant of the mesh, for a mass.

@@ -17,6 +17,7 @@ from .common.types import FloatArray
 from .forms import hardening
 from .forms import plasticity as laws
 from .inelastic import InelasticMaterial
+from .materials import FULL
 
 
 class Voce(Fixed):
@@ -122,7 +123,9 @@ class J2Plasticity(InelasticMaterial):
             projected on those of degree 2, which lock without.
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric". In plane stress of
             finite strain the history "thickness_strain" is the logarithm of the stretch across the plane.
-        integration: "full"; one point with hourglass control is refused.
+        integration: "full"; or "averaged_pressure", the mean stress by averages at the nodes, for tetrahedra and
+            triangles of degree 1 that do not lock (docs/averaged_pressure.md). One point with hourglass control is
+            refused.
 
     Attributes:
         steepest_softening: the least slope of the yield stress if it is negative, or 0 [F/L^2].
@@ -143,7 +146,7 @@ class J2Plasticity(InelasticMaterial):
         finite_strain: bool = False,
         average: bool | str = "auto",
         hypothesis: str | None = None,
-        integration: str = "full",
+        integration: str = FULL,
     ) -> None:
         super().__init__(E, nu, density, hypothesis, integration)
         if yield_stress is None and isinstance(hardening, Table):

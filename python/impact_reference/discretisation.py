@@ -46,6 +46,8 @@ class Discretisation:
         facet_rule: rule of integrals over facets; None takes the default.
         cell_tags: tag of every cell, shape (num_cells); needed with `materials`.
         materials: material of every tag.
+        averaged_pressure: average the volumetric part at the nodes in energy and internal force
+            (docs/averaged_pressure.md): tetrahedra and triangles of degree 1; there is no tangent then.
 
     Raises:
         ValueError: data out of range, connectivity that does not fit, unused points, inverted or empty cells.
@@ -65,6 +67,7 @@ class Discretisation:
         facet_rule: Rule = None,
         cell_tags: ArrayLike | None = None,
         materials: Mapping[int, Material] | None = None,
+        averaged_pressure: bool = False,
     ) -> None:
         if (material is None) == (materials is None):
             raise ValueError("give either one material or materials={tag: Material}")
@@ -90,6 +93,8 @@ class Discretisation:
         self._model = _reference.Model(
             points, integers(cells, "cells", 2), cell_type, materials, tags, self.degree, geometry_degree
         )
+        if averaged_pressure:
+            self._model.average_pressure()
         self.points = points
         self.cells = np.asarray(cells)
         self.field_points: FloatArray = self._model.field_points

@@ -42,6 +42,8 @@ class PlasticBody:
         laws: the law of all cells, or laws by tag. Cells of other tags stay elastic (small strain only).
         strain: "small", "simo" or "hencky".
         mean_dilatation: B-bar or F-bar in the cells with a law, as in `element_plastic`.
+        averaged_pressure: average all but 0.1 % of the volumetric part at the nodes (docs/averaged_pressure.md):
+            tetrahedra and triangles of degree 1; there is no tangent then.
 
     Raises:
         ValueError: elastic constants that differ, tags that no cell has, plane stress with mean dilatation.
@@ -53,6 +55,7 @@ class PlasticBody:
         laws: J2Parameters | Mapping[int, J2Parameters],
         strain: str = "small",
         mean_dilatation: bool | str = False,
+        averaged_pressure: bool = False,
     ) -> None:
         self.model, self.strain, self.mean_dilatation = model, strain, mean_dilatation
         if isinstance(laws, J2Parameters):
@@ -62,6 +65,8 @@ class PlasticBody:
         by_tag = {int(tag): law._parameters for tag, law in self.laws.items()}
         theta = dilatation_name(mean_dilatation)
         self._body = _reference.PlasticBody(model._model, self.points, self.weights, by_tag, strain, theta)
+        if averaged_pressure:
+            self._body.average_pressure()
 
     @property
     def history(self) -> J2History:

@@ -8,6 +8,7 @@ import ufl
 
 from dolfinx_impact.forms import registry
 from . import (
+    averaged_pressure,
     catalogue,
     contact,
     derivative,
@@ -125,8 +126,10 @@ def run_bodies(report: Report, levels: Collection[str], progress: bool = True, a
         module.run(report, progress)
         if level == "solution":
             plastic_bodies.solution_rows(report)
+            averaged_pressure.solution_rows(report)
         elif level == "history":
             plastic_bodies.history_rows(report)
+            averaged_pressure.history_rows(report)
             runs_in_time.run_implicit(report)
             yielding_runs.run(report)
             one_point.run_motion(report)

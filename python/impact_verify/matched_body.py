@@ -78,6 +78,7 @@ class Body:
         material: material of dolfinx_impact.
         law: name of the law for the other side.
         rule: rule of the other side, or rules by purpose; None takes its default.
+        averaged_pressure: whether the other side averages the pressure of an elastic law at the nodes.
     """
 
     def __init__(
@@ -87,6 +88,7 @@ class Body:
         material: ElasticMaterial,
         law: str = "linear_elastic",
         rule: nodes.TheirRule | dict[str, nodes.TheirRule] = None,
+        averaged_pressure: bool = False,
     ) -> None:
         self.mesh, self.degree, self.material = domain, degree, material
         self.gdim: int = domain.geometry.dim
@@ -112,6 +114,7 @@ class Body:
             degree=degree,
             geometry_degree=self.geometry_degree,
             rule=rule,
+            averaged_pressure=averaged_pressure,
         )
         size = float(np.ptp(self.points, axis=0).max())
         at = match_nodes(self.V.tabulate_dof_coordinates()[:, : self.gdim], self.model.field_points, size)

@@ -2,6 +2,7 @@
 #include "InternalForce.h"
 #include "../common/dolfinx_api.h"
 #include "../common/text.h"
+#include "NodalAverage.h"
 #include "lanes.h"
 #include <algorithm>
 #include <dolfinx/fem/DofMap.h>
@@ -44,6 +45,7 @@ void InternalForce::assemble(std::span<double> b, bool padded) const
   if (b.size() != size)
     throw std::invalid_argument("the vector has " + std::to_string(b.size()) +
                                 " entries on this rank, the test space has " + std::to_string(size));
+  update_averages();
   for (const Batches& batches : _batches)
     batches.run(b.data(), padded ? padded_stride(batches.block_size()) : batches.block_size());
 }
@@ -58,6 +60,26 @@ void InternalForce::assemble_padded(std::span<double> b) const
   assemble(b, true);
 }
 
+void InternalForce::read(const std::string& name, const double* values, int stride)
+{
+  for (Batches& batches : _batches)
+    batches.read(name, values, stride);
+  for (const auto& [displacement, average] : _averages)
+    if (displacement == name)
+      average->read(values, stride);
+}
+
+void InternalForce::add_average(std::shared_ptr<NodalAverage> average, std::string displacement)
+{
+  _averages.emplace_back(std::move(displacement), std::move(average));
+}
+
+void InternalForce::update_averages() const
+{
+  for (const auto& [displacement, average] : _averages)
+    average->update();
+}
+
 void InternalForce::apply(dolfinx::la::Vector<double>& b) const
 {
   common::fill(b, 0.0);
@@ -70,6 +92,7 @@ double InternalForce::value() const
 {
   if (_test)
     throw std::invalid_argument("a form of rank 1 has no value: use apply or assemble");
+  update_averages();
   double sum = 0.0;
   for (const Batches& batches : _batches)
     sum += batches.run(nullptr, 0);

@@ -5,6 +5,8 @@
 
 namespace dolfinx_impact::operators
 {
+class NodalAverage;
+
 /// A vector f(u) of a form of rank 1, computed cell by cell without a matrix, several cells at once; or, for a form of
 /// rank 0, its value. Materials that differ by cell tag are integrals of their own.
 class InternalForce
@@ -38,18 +40,21 @@ public:
   /// Replace the constants of integral i.
   void set_constants(std::size_t i, std::span<const double> c) { _batches.at(i).set_constants(c); }
 
-  /// Read a coefficient from an array instead of from its function, in all integrals (Batches::read).
-  void read(const std::string& name, const double* values, int stride = 0)
-  {
-    for (Batches& batches : _batches)
-      batches.read(name, values, stride);
-  }
+  /// Read a coefficient from an array instead of from its function, in all integrals (Batches::read), and in averages
+  /// if it is their displacement.
+  void read(const std::string& name, const double* values, int stride = 0);
   /// Read the nodes' positions from there (Batches::read_positions).
   void read_positions(const NodePositions* positions)
   {
     for (Batches& batches : _batches)
       batches.read_positions(positions);
   }
+
+  /// Compute averages at the nodes, which kernels read, before every evaluation; assemble and value are then
+  /// collective.
+  /// @param[in] average what is computed
+  /// @param[in] displacement name that this operator's kernels have for the displacement of the averages
+  void add_average(std::shared_ptr<NodalAverage> average, std::string displacement);
 
   /// Space of the result; null for a form of rank 0.
   const std::shared_ptr<const FunctionSpace>& test_space() const { return _test; }
@@ -99,9 +104,11 @@ private:
   void assemble(std::span<double> b, bool padded) const;
   /// Call a function with the internal variables of each integral that keeps them.
   void each_history(auto&& work);
+  void update_averages() const;
 
   std::shared_ptr<const Mesh> _mesh;
   std::shared_ptr<const FunctionSpace> _test;
   std::vector<Batches> _batches;
+  std::vector<std::pair<std::string, std::shared_ptr<NodalAverage>>> _averages; ///< with their displacements' names
 };
 } // namespace dolfinx_impact::operators

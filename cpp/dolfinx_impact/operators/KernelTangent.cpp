@@ -2,6 +2,7 @@
 #include "KernelTangent.h"
 #include "../common/dolfinx_api.h"
 #include "../kernels/check.h"
+#include "petsc_check.h"
 #include "petsc_communicators.h"
 #include <algorithm>
 #include <dolfinx/fem/assembler.h>
@@ -148,8 +149,42 @@ void KernelTangent::add(Part& part, const std::array<std::vector<std::int8_t>, 2
   }
 }
 
+void KernelTangent::add_average(AverageTerm term)
+{
+  check(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY), "a matrix of zeros");
+  check(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY), "a matrix of zeros");
+  term.average->update();
+  add(term, {}, true);
+  _averages.push_back(std::move(term));
+}
+
+/// Constrained rows and columns of the product are zero: they are in its factors.
+void KernelTangent::add(AverageTerm& term, const BoundaryConditions& bcs, bool new_entries)
+{
+  term.force->assemble(bcs);
+  term.measure->assemble(bcs);
+  Vec scale = nullptr;
+  check(MatCreateVecs(term.measure->matrix(), nullptr, &scale), "volumes of nodes");
+  double* values = nullptr;
+  PetscInt owned = 0;
+  check(VecGetLocalSize(scale, &owned), "volumes of nodes");
+  check(VecGetArray(scale, &values), "volumes of nodes");
+  std::copy_n(term.average->inverse_volumes().begin(), owned, values);
+  check(VecRestoreArray(scale, &values), "volumes of nodes");
+  check(MatDiagonalScale(term.measure->matrix(), scale, nullptr), "derivative of averages");
+  Mat product = nullptr;
+  check(MatMatMult(term.force->matrix(), term.measure->matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, &product),
+        "derivative by averages");
+  check(MatAXPY(_matrix, 1.0, product, new_entries ? DIFFERENT_NONZERO_PATTERN : SUBSET_NONZERO_PATTERN),
+        "adding the derivative by averages");
+  check(MatDestroy(&product), "derivative by averages");
+  check(VecDestroy(&scale), "volumes of nodes");
+}
+
 void KernelTangent::assemble(const BoundaryConditions& bcs)
 {
+  for (const AverageTerm& term : _averages)
+    term.average->update();
   MatZeroEntries(_matrix);
   const std::array constrained{constrained_dofs(*_V[0], bcs), constrained_dofs(*_V[1], bcs)};
   for (Part& part : _parts)
@@ -157,6 +192,13 @@ void KernelTangent::assemble(const BoundaryConditions& bcs)
   if (_other)
     dolfinx::fem::assemble_matrix(dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES), *_other,
                                   common::boundary_conditions(bcs));
+  if (!_averages.empty())
+  {
+    check(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY), "a matrix");
+    check(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY), "a matrix");
+  }
+  for (AverageTerm& term : _averages)
+    add(term, bcs, false);
   if (!bcs.empty() && _V[0] == _V[1])
   {
     MatAssemblyBegin(_matrix, MAT_FLUSH_ASSEMBLY);

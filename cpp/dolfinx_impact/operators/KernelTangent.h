@@ -3,6 +3,7 @@
 #include "Batches.h"
 #include "CellMatrix.h"
 #include "CellValues.h"
+#include "NodalAverage.h"
 #include <dolfinx/fem/DirichletBC.h>
 #include <dolfinx/fem/Form.h>
 #include <petscmat.h>
@@ -45,6 +46,17 @@ public:
   /// @pre coefficients have up-to-date ghost values
   void assemble(const BoundaryConditions& bcs = {});
 
+  /// What the derivative of forces that read averages at the nodes adds: (force by average) (average by displacement).
+  /// It joins nodes that share no cell, but a neighbour.
+  struct AverageTerm
+  {
+    std::shared_ptr<NodalAverage> average;  ///< computed before every assembly
+    std::shared_ptr<KernelTangent> force;   ///< derivative of the force by the averages: rows of the test space
+    std::shared_ptr<KernelTangent> measure; ///< derivative of what is averaged: columns of the trial space
+  };
+  /// The matrix has the entries of this product from now on. Collective.
+  void add_average(AverageTerm term);
+
   /// Replace the constants of integral i.
   void set_constants(std::size_t i, std::span<const double> c) { _parts.at(i).set_constants(c); }
   /// Borrowed PETSc matrix, valid as long as this object.
@@ -69,10 +81,12 @@ private:
   };
 
   void add(Part& part, const std::array<std::vector<std::int8_t>, 2>& constrained);
+  void add(AverageTerm& term, const BoundaryConditions& bcs, bool new_entries);
 
   std::array<std::shared_ptr<const FunctionSpace>, 2> _V;
   std::vector<Part> _parts;
   std::shared_ptr<const dolfinx::fem::Form<double>> _other;
+  std::vector<AverageTerm> _averages;
   std::vector<double> _A; ///< matrix of a cell
   Mat _matrix = nullptr;
 };

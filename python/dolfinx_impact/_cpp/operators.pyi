@@ -105,6 +105,11 @@ class InternalForce_float64:
     def repeat(self, b: NDArray[numpy.float64], times: int) -> None:
         """Assemble several times in a row (for timing)"""
 
+    def add_average(self, average: NodalAverage, displacement: str) -> None:
+        """
+        Compute averages at the nodes before every evaluation, which is then collective
+        """
+
     @property
     def flops(self) -> float: ...
 
@@ -126,9 +131,29 @@ class KernelTangent:
     def assemble(self, bcs: Sequence[dolfinx.cpp.fem.DirichletBC_float64]) -> None:
         """Rows and columns of bcs are zeroed. Collective"""
 
+    def add_average(self, average: NodalAverage, force: KernelTangent, measure: KernelTangent) -> None:
+        """
+        Add the derivative by averages at the nodes: force (by average) times measure (by displacement). Collective
+        """
+
     def set_constants(self, arg0: int, arg1: NDArray[numpy.floating[Any]], /) -> None: ...
     @property
     def matrix(self) -> petsc4py.PETSc.Mat: ...
+
+class NodalAverage:
+    """Averages at the nodes of a measure of the cells around them"""
+
+    def __init__(
+        self,
+        measure: InternalForce_float64,
+        volume: InternalForce_float64,
+        average: dolfinx.cpp.fem.Function_float64,
+        displacement: str,
+    ) -> None:
+        """displacement: its name in the kernels of measure. Collective"""
+
+    def update(self) -> None:
+        """At the present displacement. Collective"""
 
 class PointHistory:
     """Internal variables at the points of the cells of one integral"""

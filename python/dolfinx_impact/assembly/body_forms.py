@@ -49,7 +49,7 @@ def body_forms(u: Function, material: Material) -> BodyForms:
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
     internal, stiffness = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
     if not any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
-        return BodyForms(internal, stiffness, all(m.law(V.mesh).linear for _, m in material.parts()))
+        return BodyForms(internal, stiffness, all(m.elastic_law(V.mesh).linear for _, m in material.parts()))
     parts = InelasticParts(u, material)
     form, laws = parts.force(v)
     if isinstance(laws, dict):  # the elastic energy of the other parts is needed, too
@@ -57,7 +57,7 @@ def body_forms(u: Function, material: Material) -> BodyForms:
         for tag, m in material.parts():
             if tag is not None and not isinstance(m, InelasticMaterial):
                 if id(m) not in by_material:
-                    law: Any = m.law(V.mesh)
+                    law = operators.elastic_law_of(u, m, material)
                     energy = law.energy_density(u) * weight(V.mesh, law.hypothesis)
                     by_material[id(m)] = PointLaw(outputs={}, sums={ELASTIC_ENERGY: energy})
                 laws[tag] = by_material[id(m)]

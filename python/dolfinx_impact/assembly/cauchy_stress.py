@@ -17,7 +17,7 @@ from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import Material, MaterialMap
 from .inelastic_part import InelasticPart
-from .operators import InternalForce, cells_measure
+from .operators import InternalForce, cells_measure, elastic_law_of
 from .point_values import PointHistory
 
 VON_MISES = "von_mises"
@@ -63,10 +63,10 @@ class CauchyStress:
         for tag, m in material.parts():
             measure = dx if tag is None else dx(tag)
             if isinstance(m, InelasticMaterial):
-                part = InelasticPart(u, m, measure, degree, tag)
+                part = InelasticPart(u, m, measure, degree, tag, material)
                 work, law = part.force(v, with_stress=True)
             else:
-                elastic: Any = m.law(u.function_space.mesh)
+                elastic = elastic_law_of(u, m, material)
                 work, law = elasticity.internal_force_with_stress(u, v, elastic, measure)
                 law = by_material.setdefault(id(m), law)
             form = form + work

@@ -82,6 +82,7 @@ class CellMatrices:
         for compiled in self._compiled:
             for f in compiled.coefficients:
                 f.x.scatter_forward()
+            operators.update_means(compiled.coefficients)
             for kernel in compiled.kernels:
                 constants = operators._constants(compiled, kernel)
                 for _ in kernel.subdomains:

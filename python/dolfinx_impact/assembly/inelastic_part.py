@@ -13,10 +13,12 @@ from dolfinx.mesh import Mesh
 
 from ..common.types import FloatArray, IntArray
 from ..forms import consistent_tangent, inelastic
+from ..forms.averaged_pressure import AveragedKinematics
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import Material
 from .jit import compile_form
+from .nodal_mean import NodalMean, is_averaged, mean_of
 from .operators import BilinearKernels, cells_measure
 from .point_values import PointHistory
 
@@ -43,17 +45,33 @@ class InelasticPart:
         dx: UFL measure of the cells, with the quadrature degree.
         degree: that quadrature degree [1].
         tag: tag of the cells; None: all cells.
+        whole: material of the body, of which these cells are a part; None: they are all of it.
 
     Attributes:
+        mean: means of the change of volume at the nodes, or None.
         kinematics: strains that the law sees.
         response: the law.
         symbols: symbols of its history and unknowns.
     """
 
-    def __init__(self, u: Function, material: InelasticMaterial, dx: ufl.Measure, degree: int, tag: int | None) -> None:
+    def __init__(
+        self,
+        u: Function,
+        material: InelasticMaterial,
+        dx: ufl.Measure,
+        degree: int,
+        tag: int | None,
+        whole: Material | None = None,
+    ) -> None:
         V = u.function_space
         self.u, self.material, self.dx, self.degree, self.tag, self.mesh = u, material, dx, degree, tag, V.mesh
         self.kinematics = material.kinematics(V.mesh, V.element.basix_element.degree)
+        self.mean: NodalMean | None = None
+        if is_averaged(material):
+            whole = material if whole is None else whole
+            self.mean = mean_of(u, material, whole, cells_measure(u, whole)[0])
+            finite = material.finite_strain
+            self.kinematics = AveragedKinematics(material.hypothesis_on(V.mesh), finite, self.mean)
         self.response = material.response(V.mesh)
         self.symbols = inelastic.Symbols(self.response, V.mesh.ufl_domain(), degree)
 
@@ -135,7 +153,7 @@ class InelasticParts:
         self.material = material
         dx, degree = cells_measure(u, material)
         self._parts = [
-            InelasticPart(u, m, dx if tag is None else dx(tag), degree, tag)
+            InelasticPart(u, m, dx if tag is None else dx(tag), degree, tag, material)
             for tag, m in material.parts()
             if isinstance(m, InelasticMaterial)
         ]

@@ -16,6 +16,7 @@ from petsc4py import PETSc
 from .averaged_form import compile_columns, split_averages
 from .ffcx_form import ffcx_form
 from .interior_facets import interior_facets
+from .nodal_mean import NodalMean, is_averaged, mean_of
 from .one_point import check_integration
 from ..common.described import Described
 from .. import _cpp, compat
@@ -223,6 +224,7 @@ class _Operator:
         data = next(iter(form.subdomain_data().values()))
         coefficients: dict[str, Function] = {}
         integrals, self._kernels = [], []
+        averaged = any(isinstance(f, NodalMean) for f in self.compiled.coefficients)
         tags: list[int] = []
         for kernel in self.compiled.kernels:
             kept = {o["coefficient"] for o in kernel.outputs}
@@ -237,7 +239,9 @@ class _Operator:
                 if any(d is not given[0] for d in given):
                     raise ValueError(f"the {kernel.integral_type} integrals of one form must share one subdomain_data")
                 entities = entities_of(self.mesh, kernel.integral_type, subdomain, given[0] if given else None)
-                if part and self.test is not None:
+                if averaged and part:  # averages need the displacements of ghosts: no cell is computed without them
+                    entities = entities if part == "outer" else entities[:0]
+                elif part and self.test is not None:
                     entities = _choose(self.test, entities, kernel.integral_type, part)
                 entities = np.ascontiguousarray(entities)
                 constants = _constants(self.compiled, kernel)
@@ -253,6 +257,10 @@ class _Operator:
             {name: f._cpp_object for name, f in coefficients.items()},
             width,
         )
+        for f in coefficients.values():
+            if isinstance(f, NodalMean) and part != "inner":
+                names = [name for name, other in coefficients.items() if other is f.displacement]
+                self._cpp_object.add_average(nodal_average(f, width), names[0] if names else "")
 
         parts = [(tag, self._cpp_object.history(i)) for i, tag in enumerate(tags)]
         num_cells = self.mesh.topology.index_map(self.mesh.topology.dim).size_local
@@ -396,6 +404,33 @@ class InternalForce(_Operator):
             raise ValueError(f"the vector has {array.size} entries on this rank, the test space has {needed}")
 
 
+def nodal_average(mean: NodalMean, width: int = 0) -> _cpp.operators.NodalAverage:
+    """What computes a function of means at nodes. Collective.
+
+    Args:
+        mean: the function.
+        width: cells per kernel call, as for InternalForce.
+
+    Returns:
+        An object of its own for each operator (C++): it may read the displacement from another place.
+    """
+    measure, volume = InternalForce(mean.measure, width), InternalForce(mean.volume, width)
+    name = next(name for name, f in measure.coefficients.items() if f is mean.displacement)
+    return _cpp.operators.NodalAverage(measure._cpp_object, volume._cpp_object, mean._cpp_object, name)
+
+
+def update_means(functions: Iterable[Function]) -> None:
+    """Compute the means at nodes among some functions at the present displacement. Collective.
+
+    Args:
+        functions: functions that forms read.
+    """
+    for f in functions:
+        if isinstance(f, NodalMean):
+            f.own_average = f.own_average or nodal_average(f)
+            f.own_average.update()
+
+
 class Inputs(Described):
     """Constants and coefficients that a form reads; finds whether they have changed since they were last stored.
 
@@ -412,7 +447,9 @@ class Inputs(Described):
         without: Iterable[Function | None] = (),
     ) -> None:
         self._constants = list(constants)
-        self._functions = [f for f in coefficients if not any(f is other for other in without)]
+        # Means at nodes follow from the displacement.
+        read = [f for f in coefficients if not isinstance(f, NodalMean)]
+        self._functions = [f for f in read if not any(f is other for other in without)]
         self.store()
 
     def store(self) -> None:
@@ -695,6 +732,28 @@ def tangent_form(u: Function, du: ufl.Argument, v: ufl.Argument, material: Mater
     return sum_laws(u, material, lambda law, dx: elasticity.tangent(u, du, v, law, dx))
 
 
+def partial_tangent_form(u: Function, du: ufl.Argument, v: ufl.Argument, material: Material) -> ufl.Form:
+    """UFL form of the derivative of the internal virtual work at given means at the nodes; of materials without them
+    that of `tangent_form`.
+
+    Args:
+        u: displacement function at which the derivative is taken [L].
+        du: trial function, its direction.
+        v: test function.
+        material: material of the body.
+
+    Returns:
+        Form of rank 2.
+    """
+
+    def term(law: Any, dx: Any) -> Any:
+        if not hasattr(law, "mean"):
+            return elasticity.tangent(u, du, v, law, dx)
+        return ufl.derivative(elasticity.internal_force(u, v, law, dx), u, du)
+
+    return sum_laws(u, material, term)
+
+
 def cells_measure(u: Function, material: Material) -> tuple[ufl.Measure, int]:
     """Measure of the cells with the quadrature degree of the stiffness.
 
@@ -743,6 +802,19 @@ def sum_materials(
 
 def sum_laws(u: Function, material: Material, term: Callable[[Law, ufl.Measure], ufl.Form]) -> Any:
     """Sum of UFL forms over the elastic laws of the materials of a body; 0 if there are none."""
-    mesh, (dx, _) = u.function_space.mesh, cells_measure(u, material)
+    dx, _ = cells_measure(u, material)
     parts = [(tag, m) for tag, m in material.parts() if not isinstance(m, InelasticMaterial)]
-    return sum(term(m.law(mesh), dx if tag is None else dx(tag)) for tag, m in parts)
+    return sum(term(elastic_law_of(u, m, material), dx if tag is None else dx(tag)) for tag, m in parts)
+
+
+def elastic_law_of(u: Function, material: _Material, whole: Material) -> Any:
+    """Elastic law of some cells of a body, which reads the means at the nodes if its pressure is averaged. Collective.
+
+    Args:
+        u: displacement function [L].
+        material: elastic material of the cells.
+        whole: material of the body.
+    """
+    if not is_averaged(material):
+        return material.law(u.function_space.mesh)
+    return mean_of(u, material, whole, cells_measure(u, whole)[0]).law

@@ -11,7 +11,7 @@ from ..assembly import operators
 from ..assembly.inelastic_part import InelasticPart
 from ..forms import elasticity
 from ..inelastic import InelasticMaterial
-from ..materials import _Material
+from ..materials import FULL, _Material
 from .case import Case
 from .further_forms import mass_form
 from .own_law import DENSITY, DISPLACEMENT, KernelForm, Named, OwnLaw, values_of
@@ -28,6 +28,8 @@ def law_of_material(material: _Material, name: str, mesh: Mesh, case: Case) -> O
         mesh: mesh of the cells.
         case: the cells.
     """
+    if material.integration != FULL:
+        raise ValueError(f"{material!r} has no kernels of cells alone: use integration={FULL!r} for C++")
     V = fem.functionspace(mesh, ("Lagrange", case.degree, (mesh.geometry.dim,)))
     u, v, du = fem.Function(V, name=DISPLACEMENT), ufl.TestFunction(V), ufl.TrialFunction(V)
     dx, degree = operators.cells_measure(u, material)

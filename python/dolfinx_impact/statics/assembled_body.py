@@ -12,6 +12,7 @@ from petsc4py import PETSc
 from .. import _cpp
 from ..assembly.operators import BilinearKernels, Energy, InternalForce
 from ..common.described import Described
+from .average_term import AverageTerm
 
 
 class BodyMatrix(Described):
@@ -56,6 +57,7 @@ class AssembledBody(Described):
         residual: the rest of the residual, of FFCx; None: there is none.
         tangent: its derivative; None: it is zero.
         properties: what is known of the bodies beforehand.
+        averages: what the derivative by means at nodes adds to the tangent.
 
     Attributes:
         tangent: derivative of the residual.
@@ -71,6 +73,7 @@ class AssembledBody(Described):
         residual: fem.Form | None,
         tangent: fem.Form | None,
         properties: _cpp.solve.BodyProperties,
+        averages: Sequence[AverageTerm] = (),
     ) -> None:
         self.properties = properties
         V = u.function_space._cpp_object
@@ -81,6 +84,8 @@ class AssembledBody(Described):
             [source for k in kernels for source in k.sources],
             None if tangent is None else tangent._cpp_object,
         )
+        for term in averages:
+            matrix.add_average(*term.in_cpp())
         read = [f for k in kernels for f in k.functions] + [
             f for o in (*forces, *loads) for f in o.coefficients.values()
         ]
@@ -95,7 +100,7 @@ class AssembledBody(Described):
             properties=properties,
         )
         # FFCx's functions are Python's, which must live as long as the forms.
-        self._keep = residual, tangent
+        self._keep = residual, tangent, averages
         self.tangent = BodyMatrix(self._cpp_object, matrix.matrix)
 
     def set_energies(self, energies: Sequence[Energy]) -> None:

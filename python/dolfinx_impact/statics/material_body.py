@@ -18,6 +18,7 @@ from ..assembly.jit import compile_form
 from ..assembly.operators import BilinearKernels, InternalForce
 from ..materials import Material
 from .assembled_body import AssembledBody, depends_on
+from .average_term import average_terms
 from .body import Body
 from .load_forms import LoadForms
 
@@ -49,7 +50,7 @@ class MaterialBody(AssembledBody):
         forces, kernels, contains, varies = [], [], False, False
         elastic: Any = operators.internal_force_form(u, v, material)
         if isinstance(elastic, ufl.Form):  # not of inelastic materials alone
-            tangent = operators.tangent_form(u, du, v, material)
+            tangent = operators.partial_tangent_form(u, du, v, material)
             contains, varies = depends_on(tangent, u)
             forces.append(InternalForce(elastic))
             kernels.append(BilinearKernels(tangent, compile_matrices(tangent, V)))
@@ -70,6 +71,10 @@ class MaterialBody(AssembledBody):
             stiffness = ufl.derivative(other, u, du)
         of_loads = depends_on(stiffness, u)
         inelastic = self.force is not None
+        averaged = [elastic] if isinstance(elastic, ufl.Form) else []
+        averaged += [part.force(v)[0] for part in parts if part.mean is not None]
+        terms = [term for form in averaged for term in average_terms(form)]
+        linear_measures = all(not depends_on(term.measure, u)[1] for term in terms)
         super().__init__(
             u,
             forces,
@@ -78,7 +83,7 @@ class MaterialBody(AssembledBody):
             None if other is None else ffcx_form(-other),
             None if stiffness is None else ffcx_form(-stiffness),
             _cpp.solve.BodyProperties(
-                linear=not inelastic and not varies and not of_loads[1],
+                linear=not inelastic and not varies and not of_loads[1] and linear_measures,
                 keeps_tangent=not inelastic and not contains and stiffness is None and not loads.springs,
                 # Kinematic hardening with recovery and finite strain make the tangent of plastic flow unsymmetric.
                 symmetric=not inelastic,
@@ -86,6 +91,7 @@ class MaterialBody(AssembledBody):
                 has_springs=loads.has_springs,
                 rounds_positions=True,
             ),
+            terms,
         )
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.io.hdf5 import write_whole
-from . import contact_rows, explicit, force, laws, one_point, plastic, ratio_history, rolling, statics
+from . import averaged, contact_rows, explicit, force, laws, one_point, plastic, ratio_history, rolling, statics
 from .rows import Job, impossible, measure
 
 
@@ -59,7 +59,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
         A text and a function that returns rows, for each measurement.
     """
     out = force.jobs(bandwidth, peak) + laws.jobs() + force.rank_jobs()
-    out += explicit.jobs(large, ranks) + one_point.jobs() + plastic.jobs(large) + statics.jobs()
+    out += explicit.jobs(large, ranks) + one_point.jobs() + plastic.jobs(large) + averaged.jobs(large) + statics.jobs()
     return out + contact_rows.jobs(large) + rolling.jobs(large)
 
 

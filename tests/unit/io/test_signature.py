@@ -192,7 +192,8 @@ STATE = "state: the checkpoint has it"
 ELSEWHERE = "in rows of its own class"
 NO_MATTER = "does not belong to the problem"
 OF_TAGS = {"facet_tags": lambda b: b.fewer_above, "tag": lambda b: b.bottom}
-# These triangles have no reduced integration: tests/verification/test_one_point.py has it.
+# Other integrations are for other cells: tests/verification/test_one_point.py,
+# tests/unit/assembly/averaged_pressure_checks.py.
 SOLID = {"E": 1.1e3, "nu": 0.31, "density": 1.1, "hypothesis": "plane_stress", "integration": ELSEWHERE}
 UP = {"vector": (0.0, 9.0), "amplitude": lambda t: 1.0 + 2.0 * t}
 # Of each class: what the problem is made of besides, and per argument another value, or why there is none.

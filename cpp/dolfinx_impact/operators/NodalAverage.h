@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include "Halo.h"
+#include "InternalForce.h"
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace dolfinx_impact::operators
+{
+/// Averages at the nodes of a measure m of the cells, for example the logarithm of the volume ratio: the lumped
+/// projection on functions of degree 1,
+///
+///     average_a = (integral of m N_a) / (integral of N_a).
+///
+/// Cells of one operator count, of all ranks; a node without such cells has the average zero.
+class NodalAverage
+{
+public:
+  /// Collective.
+  /// @param[in] measure integral of m times the test function
+  /// @param[in] volume integral of the test function over the same cells; evaluated once
+  /// @param[in] average function on their space that receives the averages, owned and ghosts
+  /// @param[in] displacement name of the displacement in the kernels of `measure`
+  /// @throws std::invalid_argument if the three have different spaces
+  NodalAverage(std::shared_ptr<InternalForce> measure, const InternalForce& volume, std::shared_ptr<Function> average,
+               std::string displacement);
+
+  /// Compute the averages at the present displacement. Collective.
+  /// @pre the displacement has up-to-date ghost values
+  void update();
+  /// Read the displacement from an array instead of from its function (Batches::read).
+  void read(const double* displacement, int stride) { _measure->read(_displacement, displacement, stride); }
+  /// Reciprocals of the nodes' volumes, owned and ghosts; zero where a node has no cells [1/L^3].
+  std::span<const double> inverse_volumes() const { return _inverse; }
+
+private:
+  std::shared_ptr<InternalForce> _measure;
+  std::shared_ptr<Function> _average;
+  std::string _displacement;
+  Halo _halo;
+  std::vector<double> _inverse;
+};
+} // namespace dolfinx_impact::operators

@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: MIT
+"""Means at nodes whose cells are on several ranks: forces, tangents, runs and checkpoints. See on_ranks.py."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem, la, mesh
+from mpi4py import MPI
+from shared_folder import shared_folder
+
+import dolfinx_impact as di
+from dolfinx_impact.assembly import operators
+from dolfinx_impact.assembly.locking import Locking
+
+COMM = MPI.COMM_WORLD
+LAWS = (di.LinearElastic, di.NeoHookean)
+
+
+def cube(comm=COMM, n=3):
+    """Space on a cube of tetrahedra."""
+    domain = mesh.create_unit_cube(comm, n, n, n, mesh.CellType.tetrahedron)
+    return fem.functionspace(domain, ("Lagrange", 1, (3,)))
+
+
+def bent(V, size=0.05):
+    """A smooth displacement that changes the volume."""
+    u = fem.Function(V, name="u")
+    u.interpolate(lambda x: size * np.array([np.sin(3 * x[1]) * x[0], x[2] ** 2 - x[0], np.cos(2 * x[0]) * x[2]]))
+    return u
+
+
+def two_materials(V, law):
+    """Soft and stiff halves, whose pressures must not be mixed at the nodes between them."""
+    domain = V.mesh
+    num = domain.topology.index_map(3).size_local + domain.topology.index_map(3).num_ghosts
+    cells = np.arange(num, dtype=np.int32)
+    middle = mesh.compute_midpoints(domain, 3, cells)
+    tags = mesh.meshtags(domain, 3, cells, np.where(middle[:, 0] < 0.5, 1, 2).astype(np.int32))
+    return di.MaterialMap(
+        tags, {t: law(E, 0.45, 1.0, integration="averaged_pressure") for t, E in ((1, 1.0), (2, 50.0))}
+    )
+
+
+def owned_product(a, b, V):
+    n = V.dofmap.index_map.size_local * 3
+    return V.mesh.comm.allreduce(float(a[:n] @ b[:n]))
+
+
+def check_force_is_the_derivative_of_the_energy():
+    """Two materials; the error of central differences with a step of 1e-5 is 1e-10 of the second derivatives."""
+    V = cube()
+    u, d = bent(V), bent(V, 0.7)
+    start = u.x.array.copy()
+    for law in LAWS:
+        material = two_materials(V, law)
+        energy = operators.Energy(operators.strain_energy_form(u, material))
+        u.x.array[:] = start
+        force = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(V), material)).apply().array
+        found = []
+        for sign in (1, -1):
+            u.x.array[:] = start + sign * 1e-5 * d.x.array
+            found.append(energy.value())
+        exact = owned_product(force, d.x.array, V)
+        assert (found[0] - found[1]) / 2e-5 == pytest.approx(exact, rel=1e-7)
+
+
+def check_tangent_is_the_derivative_of_the_force():
+    """Entries between nodes that share no cell, too; the error of central differences as above."""
+    V = cube()
+    u, d = bent(V), bent(V, 0.7)
+    start = u.x.array.copy()
+    plastic = di.J2Plasticity(
+        1.0, 0.4, yield_stress=1e-3, hardening=0.1, finite_strain=True, integration="averaged_pressure"
+    )
+    for material in (two_materials(V, di.NeoHookean), plastic):
+        u.x.array[:] = start
+        body = di.StaticProblem(u, material).body
+        changes = []
+        for sign in (1, -1):
+            u.x.array[:] = start + sign * 1e-6 * d.x.array
+            changes.append(body.in_cpp().residual().array.copy())
+        u.x.array[:] = start
+        body.in_cpp().residual()
+        K = body.tangent.assemble()
+        x, y = K.createVecs()
+        x.array[:] = d.x.array[: len(x.array)]
+        K.mult(x, y)
+        change = (changes[0] - changes[1]) / 2e-6
+        size = COMM.allreduce(float(y.array @ y.array)) ** 0.5
+        assert COMM.allreduce(float(np.sum((change - y.array) ** 2))) ** 0.5 < 1e-6 * size
+
+
+def run(comm, until=0.4, integration="averaged_pressure"):
+    """A plastic cube thrown against a plane."""
+    V = cube(comm, 2)
+    u, v = fem.Function(V, name="u"), fem.Function(V)
+    v.interpolate(lambda x: np.array([0.01 * x[1], 0 * x[0], 0.01 * x[0] - 0.2]))
+    steel = di.J2Plasticity(
+        1.0, 0.4, 1.0, yield_stress=0.02, hardening=0.1, finite_strain=True, integration=integration
+    )
+    facets = mesh.locate_entities_boundary(V.mesh, 2, lambda x: np.isclose(x[2], 0.0))
+    tags = mesh.meshtags(V.mesh, 2, np.sort(facets), np.full(len(facets), 1, dtype=np.int32))
+    wall = di.Penalty(di.ContactPair(tags, 1, di.RigidPlane((0.0, 0.0, -0.01), (0.0, 0.0, 1.0))))
+    problem = di.ExplicitProblem(u, steel, velocity=v, contact=[wall])
+    problem.advance(until, dt=0.02, progress=False)
+    return problem
+
+
+def check_run_is_that_of_one_rank():
+    """Displacements by place; the balance of energy. Sums in another order differ by round-off, which grows little."""
+    ours, alone = run(COMM), run(MPI.COMM_SELF)
+    assert ours.energy["plastic"] > 0
+    assert abs(ours.energy["drift"]) < 0.02
+    places = [np.round(p.space.tabulate_dof_coordinates(), 9) for p in (ours, alone)]
+    at = {tuple(x): k for k, x in enumerate(places[1])}
+    theirs = alone.u.x.array.reshape(-1, 3)[[at[tuple(x)] for x in places[0]]]
+    assert np.abs(ours.u.x.array.reshape(-1, 3) - theirs).max() < 1e-10 * np.abs(theirs).max()
+
+
+def check_checkpoint():
+    """A run that is continued is the run, bit for bit."""
+    with shared_folder(COMM) as folder:
+        file = Path(folder) / "run"
+        problem = run(COMM, 0.2)
+        problem.save(file)
+        problem.advance(0.4, dt=0.02, progress=False)
+        state = problem.u.x.array.copy()
+        problem.restore(file)
+        problem.advance(0.4, dt=0.02, progress=False)
+        assert np.array_equal(problem.u.x.array, state)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Locking)
+            plain = run(COMM, 0.02, "full")
+        with pytest.raises(ValueError, match="of another problem.*integration"):
+            plain.restore(file)
+
+
+def check_vectors_have_ghosts():
+    """Averages of ghosts are those of their owners."""
+    V = cube()
+    u = bent(V)
+    material = di.NeoHookean(1.0, 0.3, 1.0, integration="averaged_pressure")
+    form = operators.internal_force_form(u, ufl.TestFunction(V), material)
+    (mean,) = [f for f in form.coefficients() if f is not u]
+    operators.InternalForce(form).apply()
+    copy = la.vector(mean.function_space.dofmap.index_map)
+    copy.array[:] = mean.x.array
+    copy.scatter_forward()
+    assert np.array_equal(copy.array, mean.x.array) and np.any(mean.x.array)
