@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+// Forces from arrays with four entries per node, in one sweep, are those from DOLFINx's arrays.
+#include <basix/finite-element.h>
+#include <catch2/catch_approx.hpp>
+#include <catch2/catch_test_macros.hpp>
+#include <catch2/generators/catch_generators.hpp>
+#include <cmath>
+#include <dolfinx/fem/Function.h>
+#include <dolfinx/fem/utils.h>
+#include <dolfinx/mesh/generation.h>
+#include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/kernels/KernelTable.h>
+#include <dolfinx_impact/operators/InternalForce.h>
+#include <dolfinx_impact/operators/NodePositions.h>
+#include <dolfinx_impact/operators/lanes.h>
+#include <numeric>
+
+using Catch::Approx;
+using namespace dolfinx_impact;
+using namespace dolfinx_impact::operators;
+
+namespace
+{
+/// A cube of 3 x 3 x 3 boxes, or six tetrahedra each: the last batch has lanes that are left over.
+struct PaddedCube
+{
+  PaddedCube(dolfinx::mesh::CellType cell, int degree)
+      : mesh(std::make_shared<Mesh>(dolfinx::mesh::create_box<double>(
+            MPI_COMM_SELF, {{{0.0, 0.0, 0.0}, {1.0, 2.0, 1.5}}}, {3, 3, 3}, cell))),
+        V(space(degree)), u(std::make_shared<Function>(V))
+  {
+    const std::vector<double> x = V->tabulate_dof_coordinates(false);
+    auto& values = u->x()->mutable_array();
+    for (std::size_t i = 0; i < x.size(); ++i)
+      values[i] = 1e-3 * std::sin(3.0 * x[i] + double(i % 3));
+  }
+
+  std::shared_ptr<const FunctionSpace> space(int degree) const
+  {
+    const auto cell = dolfinx::mesh::cell_type_to_basix_type(mesh->topology()->cell_type());
+    const auto element = basix::create_element<double>(basix::element::family::P, cell, degree,
+                                                       basix::element::lagrange_variant::gll_warped,
+                                                       basix::element::dpc_variant::unset, false);
+    return std::make_shared<FunctionSpace>(dolfinx_impact::common::create_functionspace(mesh, element, {3}));
+  }
+
+  InternalForce force(int degree, int width) const
+  {
+    const std::string cell = dolfinx::mesh::to_string(mesh->topology()->cell_type());
+    const impact_kernel* kernel =
+        kernels::find({.name = "linear_elastic.force", .cell = cell, .degree = degree, .hypothesis = "3d"}).at(0);
+    std::vector<std::int32_t> cells(mesh->topology()->index_map(3)->size_local());
+    std::iota(cells.begin(), cells.end(), 0);
+    return {mesh, V, {{kernel, cells, {3.0, 0.3}}}, {{"u", u}}, width};
+  }
+
+  std::shared_ptr<Mesh> mesh;
+  std::shared_ptr<const FunctionSpace> V;
+  std::shared_ptr<Function> u;
+};
+} // namespace
+
+TEST_CASE("forces from padded arrays")
+{
+  using dolfinx::mesh::CellType;
+  const auto [cell, degree] =
+      GENERATE(std::pair{CellType::hexahedron, 1}, std::pair{CellType::tetrahedron, 1},
+               std::pair{CellType::tetrahedron, 2}, std::pair{CellType::hexahedron, 2});
+  const int width = GENERATE(1, 0);
+  const bool by_space = GENERATE(true, false);
+  PaddedCube cube(cell, degree);
+  InternalForce force = cube.force(degree, width);
+  const std::span<const double> u = cube.u->x()->array();
+  std::vector<double> expected(u.size(), 1.0);
+  force.assemble(expected);
+
+  AlignedVector padded(u.size() / 3 * 4, 0.0), found(padded.size(), 0.0);
+  for (std::size_t i = 0; i < u.size(); ++i)
+  {
+    padded[i / 3 * 4 + i % 3] = u[i];
+    found[i / 3 * 4 + i % 3] = 1.0;
+  }
+  NodePositions positions(by_space ? cube.V : cube.space(degree));
+  CHECK(positions.space() != nullptr);
+  force.read_positions(&positions);
+  force.read("u", padded.data(), 4);
+  force.assemble_padded(found);
+  double largest = 0.0;
+  for (double f : expected)
+    largest = std::max(largest, std::abs(f - 1.0));
+  REQUIRE(largest > 1e-4);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    REQUIRE(found[i / 3 * 4 + i % 3] == Approx(expected[i]).margin(1e-13 * largest).epsilon(1e-13));
+  for (std::size_t i = 3; i < found.size(); i += 4)
+    REQUIRE(found[i] == 0.0);
+
+  // From the functions again.
+  force.read("u", nullptr);
+  force.read_positions(nullptr);
+  std::vector<double> again(u.size(), 1.0);
+  force.assemble(again);
+  CHECK(again == expected);
+}
