@@ -330,9 +330,10 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
     _results.traction[i * D + c] = force[c] * per_area;
   }
   add_to_sums(i, state.u.data(), force);
-  _master_forces.react<W>(point.num, point.corners, point.phi, force);
   if (turns && (tangential_squared > 0.0 || oblique))
-    _master_forces.correct<D>(correction, point.num, point.corners, arms, force);
+    _master_forces.react<D, W>(point.num, point.corners, point.phi, force, correction, arms);
+  else
+    _master_forces.react<W>(point.num, point.corners, point.phi, force);
   _closed[i] = 1;
   _stiffness[i] = k;
   _results.status[i] = status;
