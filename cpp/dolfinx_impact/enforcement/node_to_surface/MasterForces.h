@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "MomentCorrection.h"
-#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -31,20 +30,17 @@ public:
               });
   }
   /// The same with the moment correction of the force.
-  /// @param[in] r as MomentCorrection::set returns
+  /// @param[in] correction correction(j, c): component c at node j
   template <int D, int W>
-  void react(int num, const std::int32_t* corners, const double* phi, const double* force,
-             const MomentCorrection& correction, const double* r)
+  void react(int num, const std::int32_t* corners, const double* phi, const double* force, auto&& correction)
   {
-    double more[surface::FacetElement::max_nodes * W];
-    std::fill_n(more, num * W, 0.0);
-    correction.forces<D>(num, r, force, [&](int j, int c, double value) { more[j * W + c] = value; });
     Sum* sums = _sums.data();
     for_nodes(num,
               [&](int j)
               {
+                double* sum = sums[corners[j]].force;
                 for (int c = 0; c < W; ++c)
-                  sums[corners[j]].force[c] = sums[corners[j]].force[c] - phi[j] * force[c] + more[j * W + c];
+                  sum[c] = sum[c] - phi[j] * force[c] + (c < D ? correction(j, c) : 0.0);
               });
   }
   /// Add the moment correction of a force on a slave's node.

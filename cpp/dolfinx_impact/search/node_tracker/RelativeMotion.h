@@ -59,8 +59,7 @@ public:
   /// with the least motion, which must not ask for renewals that are ever more frequent.
   void request_renewal()
   {
-    _renewal_due =
-        _renewal_due || deformation() - 2.0 * (_slave.since_look + _master.since_look) > _least_deformation;
+    _renewal_due = _renewal_due || deformation() - 2.0 * (_slave.since_look + _master.since_look) > _least_deformation;
     _look_due = true; // who asks again is judged by what has deformed indeed
   }
   bool renewal_due() const { return _renewal_due; }

@@ -251,14 +251,13 @@ void TrackedSurface::flat_normal_before(std::int32_t f, const double* xi, const 
                                         double* normal) const
 {
   constexpr int D = linear::dimension<S>;
-  const std::int32_t* nodes = _facets.nodes_of(f);
-  const double* X = _facets.X_of(f);
+  const std::int32_t* corners = this->corners(f);
   double x[linear::num_nodes<S>][D];
   for (int j = 0; j < linear::num_nodes<S>; ++j)
     for (int c = 0; c < D; ++c)
     {
-      const std::size_t k = std::size_t(nodes[j]) * D + c;
-      x[j][c] = X[j * D + c] + (u[k] - du[k]);
+      const std::size_t k = std::size_t(_nodes[corners[j]]) * D + c;
+      x[j][c] = X(corners[j])[c] + (u[k] - du[k]);
     }
   linear::normal<S>(x, xi, _facets.orientation[f], normal);
 }
