@@ -353,14 +353,15 @@ void KinematicContact::begin(const PredictedStep& step, const CorrectedNodes& no
 }
 
 template <int D>
-void KinematicContact::sweep(const double* correction, double h, double factor)
+void KinematicContact::sweep(const double* correction, double h, double factor, bool first)
 {
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double* n = closed.normal;
-    double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
-    relative_to_master<D>(q, correction, moved);
+    double moved[3] = {0.0, 0.0, 0.0}, more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
+    if (!first)
+      relative_to_master<D>(q, correction, moved);
     const double pushed = closed.releases ? 0.0 : factor / h * _normal_mass[q] * (closed.overlap - dot(n, moved, D));
     if (_options.has_friction())
     {
@@ -392,10 +393,10 @@ void KinematicContact::sweep(const double* correction, double h, double factor)
   }
 }
 
-void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, double factor)
+void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first)
 {
   const double* correction = nodes.correction.data();
-  _gdim == 2 ? sweep<2>(correction, h, factor) : sweep<3>(correction, h, factor);
+  _gdim == 2 ? sweep<2>(correction, h, factor, first) : sweep<3>(correction, h, factor, first);
   if (_options.friction_law && _options.friction_law->has_pressure())
     update_friction();
 }
