@@ -254,6 +254,8 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
 template <int D>
 void NodePenalty::add_batch(const NodalState& state, std::span<double> f)
 {
+  if (_batch.num == 0)
+    return;
   evaluate(_batch);
   for (int l = 0; l < _batch.num; ++l)
     add_force<D>(_points[l], l, state, f);
