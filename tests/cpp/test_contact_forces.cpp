@@ -77,8 +77,10 @@ public:
     total[0] = -4.0 * state.u[2 * own];
     f[2 * own] += total[0];
     seen_step = state.dt;
+    seen_range = state.range;
   }
   double seen_step = 0.0;
+  enforcement::IncrementRange seen_range;
 };
 
 NodalFields three_nodes()
@@ -178,6 +180,8 @@ TEST_CASE("springs are part of the residual and do work by the trapezoidal rule"
     CHECK_FALSE(contacts.work_of_step(fields, dt));
     contacts.evaluate(fields);
     expected -= 4.0 * 0.5 * (from + to) * (to - from);
+    for (const std::array<double, 3>& bound : {spring->seen_range.least, spring->seen_range.largest}) // of one node
+      CHECK((bound[0] == to - from && bound[1] == 0.0));
     CHECK(fields.r == std::vector<double>{0.0, 0.0, 0.0, 0.0, 4.0 * to, 0.0});
     CHECK(contacts.spring_work().value() == Approx(expected).epsilon(1e-15));
     contacts.commit();

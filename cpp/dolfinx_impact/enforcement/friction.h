@@ -37,6 +37,7 @@ template <int D>
 bool coulomb(const double* n, double k, double per_k, double limit, double* t, double* s, double* trial)
 {
   double along = 0.0, turn = 0.0, size = 0.0, left = 0.0;
+#pragma GCC unroll 4
   for (int c = 0; c < D; ++c)
   {
     along += n[c] * s[c];
@@ -44,6 +45,7 @@ bool coulomb(const double* n, double k, double per_k, double limit, double* t, d
     size += t[c] * t[c];
   }
   double turned[D];
+#pragma GCC unroll 4
   for (int c = 0; c < D; ++c)
   {
     s[c] -= along * n[c];
@@ -52,6 +54,7 @@ bool coulomb(const double* n, double k, double per_k, double limit, double* t, d
   }
   const double scale = left > 0.0 ? std::sqrt(size / left) : 0.0; // the force keeps its size when the normal turns
   double squared = 0.0;
+#pragma GCC unroll 4
   for (int c = 0; c < D; ++c)
   {
     turned[c] *= scale;
@@ -61,6 +64,7 @@ bool coulomb(const double* n, double k, double per_k, double limit, double* t, d
   // A node that slipped in the last step begins this one at its limit: round-off must not make it slip on.
   const bool slips = squared > limit * limit * (1.0 + 2e-12);
   const double factor = slips ? limit / std::sqrt(squared) : 1.0;
+#pragma GCC unroll 4
   for (int c = 0; c < D; ++c)
   {
     t[c] *= factor;

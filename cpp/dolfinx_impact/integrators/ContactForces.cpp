@@ -337,7 +337,7 @@ double ContactForces::half_work(const Pair& pair, const std::array<double, 3>& i
 
 enforcement::NodalState ContactForces::state() const
 {
-  return {_nodes.u, _nodes.du, _nodes.inverse, _step};
+  return {_nodes.u, _nodes.du, _nodes.inverse, _step, _nodes.range()};
 }
 
 void ContactForces::check_step() const
@@ -351,7 +351,8 @@ bool ContactForces::work_of_step(NodalFields& fields, double last_step)
   if (empty())
     return false;
   const Stopwatch watch(_seconds);
-  _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
+  if (!_nodes.corrected() || has_springs()) // else the nodes know what they were corrected to
+    _work.done += 0.5 * _nodes.gather(fields, last_step, has_springs());
   for (const Pair& pair : _pairs)
     if (!pair.body)
     {
@@ -426,26 +427,25 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   for (const Pair& pair : _pairs)
     if (pair.corrects)
       _obstacle_work += half_work(pair, pair.obstacle.increment_before, {}, fields.bs);
-  const int bs = fields.bs;
-  for (std::size_t k = 0; k < n.size(); ++k)
-    for (int c = 0; c < bs; ++c)
-      fields.u[std::size_t(n.nodes()[k]) * fields.stride + c] = n.u[k * bs + c];
+  n.put_displacements(fields);
   fields.update_ghost_velocities(dt); // so far they are those of the prediction
+  const int bs = fields.bs;
   const std::size_t owned = n.halo()->num_owned();
   for (std::size_t k = 0; k < owned; ++k)
     for (int c = 0; c < bs; ++c)
     {
-      const std::size_t j = k * bs + c, i = std::size_t(n.nodes()[k]) * fields.stride + c;
+      const std::size_t j = k * bs + c;
       if (n.inverse[j] == 0.0)
         continue;
       const double m = 1.0 / n.inverse[j], predicted = n.v[j];
       const double v = predicted + h * n.inverse[j] * n.kinematic[j];
-      fields.v[i] = v;
+      n.v[j] = v;
       sums.momentum += m * n.v_before[j] * (v - predicted);
       sums.speed += m * (v * v - predicted * predicted);
       sums.after += n.r_before[j] * (v - predicted);
-      sums.load_after += loads.force(i) * (v - predicted);
+      sums.load_after += loads.force(std::size_t(n.nodes()[k]) * fields.stride + c) * (v - predicted);
     }
+  n.finish_correction(fields, dt);
 }
 
 void ContactForces::add_energies(EnergySums& sums) const

@@ -11,10 +11,54 @@ namespace
 /// Calls f<components, entries per node>().
 auto with_layout(const NodalFields& fields, const auto& f)
 {
-  return fields.bs == 2        ? f.template operator()<2, 2>()
+  return fields.bs == 2       ? f.template operator()<2, 2>()
          : fields.is_padded() ? f.template operator()<3, 4>()
-                               : f.template operator()<3, 3>();
+                              : f.template operator()<3, 3>();
 }
+
+/// Nodes of a surface are scattered over the fields: the memory is asked for those that come after so many others.
+constexpr std::size_t nodes_ahead = 32;
+
+/// Ask the memory for the values of one of the next nodes, which may lie in two lines of the cache.
+/// @param[in] k position of the present node
+template <int D, int stride>
+inline void prefetch(std::span<const std::int32_t> nodes, std::size_t k, std::span<const double> values)
+{
+#if defined(__GNUC__)
+  if (k + nodes_ahead >= nodes.size())
+    return;
+  const double* next = values.data() + std::size_t(nodes[k + nodes_ahead]) * stride;
+  __builtin_prefetch(next);
+  if constexpr (stride != 4) // padded nodes lie in one line
+    __builtin_prefetch(next + D - 1);
+#else
+  (void)nodes, (void)k, (void)values;
+#endif
+}
+
+/// Least and largest values by component, collected node by node.
+template <int D>
+struct Extremes
+{
+  double least[D], largest[D];
+  Extremes()
+  {
+    std::fill_n(least, D, enforcement::IncrementRange::infinity);
+    std::fill_n(largest, D, -enforcement::IncrementRange::infinity);
+  }
+  void add(int c, double value)
+  {
+    least[c] = std::min(least[c], value);
+    largest[c] = std::max(largest[c], value);
+  }
+  enforcement::IncrementRange range() const
+  {
+    enforcement::IncrementRange out;
+    std::copy_n(least, D, out.least.begin());
+    std::copy_n(largest, D, out.largest.begin());
+    return out;
+  }
+};
 } // namespace
 
 void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
@@ -22,6 +66,7 @@ void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t>
   const Forces kept = forces(fields);
   _kept = {};
   _kinematic = kinematic_contact;
+  _corrected = false;
   Halo& all = *fields.halo;
   const int bs = fields.bs;
   const std::int32_t owned = all.num_owned();
@@ -107,34 +152,42 @@ void ContactNodes::reset()
   std::fill(springs.begin(), springs.end(), 0.0);
   std::fill(kinematic.begin(), kinematic.end(), 0.0);
   _kept = {};
+  _corrected = false;
 }
 
 template <int D, int stride, bool kinematic_contact>
 double ContactNodes::gather_all(const NodalFields& fields, double dt, bool with_springs)
 {
   double work[D] = {};
+  Extremes<D> increments;
   for (std::size_t k = 0; k < _nodes.size(); ++k)
+  {
+    prefetch<D, stride>(_nodes, k, fields.u);
+    prefetch<D, stride>(_nodes, k, fields.v);
     for (int c = 0; c < D; ++c)
     {
       const std::size_t i = std::size_t(_nodes[k]) * stride + c, n = k * D + c;
       u[n] = fields.u[i];
       du[n] = dt * fields.v[i];
+      increments.add(c, du[n]);
       if constexpr (kinematic_contact)
         v[n] = fields.v[i];
       if (with_springs)
         work[c] += std::exchange(springs[n], 0.0) * du[n];
     }
+  }
+  _range = increments.range();
   return std::accumulate(work, work + D, 0.0);
 }
 
 double ContactNodes::gather(const NodalFields& fields, double dt, bool with_springs)
 {
   return with_layout(fields,
-                    [&]<int D, int stride>()
-                    {
-                      return _kinematic ? gather_all<D, stride, true>(fields, dt, with_springs)
-                                        : gather_all<D, stride, false>(fields, dt, with_springs);
-                    });
+                     [&]<int D, int stride>()
+                     {
+                       return _kinematic ? gather_all<D, stride, true>(fields, dt, with_springs)
+                                         : gather_all<D, stride, false>(fields, dt, with_springs);
+                     });
 }
 
 ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
@@ -143,6 +196,8 @@ ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
   {
     double position[D] = {}, work[D] = {};
     for (std::size_t k = 0; k < _nodes.size(); ++k)
+    {
+      prefetch<D, stride>(_nodes, k, fields.r);
       for (int c = 0; c < D; ++c)
       {
         const double force = springs[k * D + c];
@@ -150,6 +205,7 @@ ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
         position[c] += force * u[k * D + c];
         work[c] += force * du[k * D + c];
       }
+    }
     return Products{std::accumulate(position, position + D, 0.0), std::accumulate(work, work + D, 0.0)};
   };
   return with_layout(fields, sweep);
@@ -157,14 +213,53 @@ ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
 
 void ContactNodes::keep(const NodalFields& fields)
 {
+  if (_corrected)
+    std::swap(v, v_before);
+  with_layout(fields,
+              [&]<int D, int stride>()
+              {
+                for (std::size_t k = 0; k < _nodes.size(); ++k)
+                {
+                  const std::size_t i = std::size_t(_nodes[k]) * stride;
+                  prefetch<D, stride>(_nodes, k, fields.r);
+                  std::copy_n(fields.r.data() + i, D, r_before.data() + k * D);
+                  if (!_corrected)
+                    std::copy_n(fields.v.data() + i, D, v_before.data() + k * D);
+                }
+              });
+  _corrected = false;
+}
+
+void ContactNodes::put_displacements(NodalFields& fields) const
+{
   const int bs = fields.bs;
   for (std::size_t k = 0; k < _nodes.size(); ++k)
-    for (int c = 0; c < bs; ++c)
+    std::copy_n(u.data() + k * bs, bs, fields.u.data() + std::size_t(_nodes[k]) * fields.stride);
+}
+
+template <int D, int stride>
+void ContactNodes::finish_all(NodalFields& fields, double dt)
+{
+  const std::size_t owned = _halo->num_owned();
+  Extremes<D> increments;
+  for (std::size_t k = 0; k < _nodes.size(); ++k)
+    for (int c = 0; c < D; ++c)
     {
-      const std::size_t n = k * bs + c, i = std::size_t(_nodes[k]) * fields.stride + c;
-      v_before[n] = fields.v[i];
-      r_before[n] = fields.r[i];
+      const std::size_t i = std::size_t(_nodes[k]) * stride + c, n = k * D + c;
+      if (k < owned)
+        fields.v[i] = v[n];
+      else
+        v[n] = fields.v[i];
+      du[n] = dt * v[n];
+      increments.add(c, du[n]);
     }
+  _range = increments.range();
+  _corrected = true;
+}
+
+void ContactNodes::finish_correction(NodalFields& fields, double dt)
+{
+  with_layout(fields, [&]<int D, int stride>() { finish_all<D, stride>(fields, dt); });
 }
 
 Halo::Traffic ContactNodes::traffic() const

@@ -30,6 +30,17 @@ public:
   /// @param[in] springs sum up the work of the springs' forces of the last time level, and set them to zero
   /// @returns this work in the step, of this rank [F L]
   double gather(const NodalFields& fields, double dt, bool springs);
+  /// Give corrected displacements back to the fields. Their increments, velocities and range follow once `v` of owned
+  /// nodes is corrected as well: `finish_correction`.
+  void put_displacements(NodalFields& fields) const;
+  /// Give corrected velocities of owned nodes to the fields, and take those of ghosts. What a step begins with is then
+  /// known here: until the next update of the fields, neither `gather` nor `keep` need to ask them.
+  /// @param[in] dt step [T]
+  void finish_correction(NodalFields& fields, double dt);
+  /// Has `finish_correction` been called since the nodes were numbered, and no update since?
+  bool corrected() const { return _corrected; }
+  /// Least and largest increments of all nodes.
+  const enforcement::IncrementRange& range() const { return _range; }
   /// Add the springs' forces to the residual.
   /// @returns sums over this rank's nodes
   struct Products
@@ -38,7 +49,7 @@ public:
     double work = 0.0;     ///< du . force [F L]
   };
   Products add_springs(NodalFields& fields) const;
-  /// Keep velocities and residuals that an update is about to change, for kinematic contact.
+  /// Keep velocities and residuals that an update is about to change, for kinematic contact. The update is expected.
   void keep(const NodalFields& fields);
 
   /// Contact forces of the last step on owned degrees of freedom of the fields, ghosts' contributions included.
@@ -63,11 +74,14 @@ public:
 private:
   template <int D, int stride, bool kinematic>
   double gather_all(const NodalFields& fields, double dt, bool springs);
+  template <int D, int stride>
+  void finish_all(NodalFields& fields, double dt);
 
   std::vector<std::int32_t> _nodes, _numbers;
   std::vector<double> _mass;
   std::unique_ptr<Halo> _halo;
-  bool _kinematic = false;
+  bool _kinematic = false, _corrected = false;
+  enforcement::IncrementRange _range;
   Forces _kept; ///< until nodes are numbered
   Halo::Traffic _traffic;
 };

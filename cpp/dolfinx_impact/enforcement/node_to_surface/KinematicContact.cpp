@@ -85,7 +85,7 @@ void KinematicContact::assign_numbers(operators::Halo& halo, std::span<const std
 
 /// Value at closed node q minus the value interpolated at its projection on the master.
 template <int D>
-void KinematicContact::relative_to_master(std::size_t q, const double* values, double* out) const
+inline void KinematicContact::relative_to_master(std::size_t q, const double* values, double* out) const
 {
   const Closed& closed = _closed_now[q];
   const double* phi = _phi.data() + q * _num_masters;
@@ -353,14 +353,15 @@ void KinematicContact::begin(const PredictedStep& step, const CorrectedNodes& no
 }
 
 template <int D>
-void KinematicContact::sweep(const double* correction, double h, double factor)
+void KinematicContact::sweep(const double* correction, double h, double factor, bool first)
 {
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double* n = closed.normal;
-    double moved[3], more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
-    relative_to_master<D>(q, correction, moved);
+    double moved[3] = {0.0, 0.0, 0.0}, more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
+    if (!first)
+      relative_to_master<D>(q, correction, moved);
     const double pushed = closed.releases ? 0.0 : factor / h * _normal_mass[q] * (closed.overlap - dot(n, moved, D));
     if (_options.has_friction())
     {
@@ -392,10 +393,10 @@ void KinematicContact::sweep(const double* correction, double h, double factor)
   }
 }
 
-void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, double factor)
+void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first)
 {
   const double* correction = nodes.correction.data();
-  _gdim == 2 ? sweep<2>(correction, h, factor) : sweep<3>(correction, h, factor);
+  _gdim == 2 ? sweep<2>(correction, h, factor, first) : sweep<3>(correction, h, factor, first);
   if (_options.friction_law && _options.friction_law->has_pressure())
     update_friction();
 }
@@ -409,16 +410,19 @@ void KinematicContact::add_all(std::span<double> forces) const
     const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
     for (int c = 0; c < D; ++c)
       forces[std::size_t(closed.node) * D + c] += f[c];
+    double more[surface::FacetElement::max_nodes * D];
+    if (corrects_moments())
+      _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
+                                       [&](int j, int c, double value) { more[j * D + c] = value; });
+    else
+      std::fill_n(more, _num_masters * D, 0.0);
     for_nodes(_num_masters,
               [&](int j)
               {
+                double* to = forces.data() + std::size_t(closed.masters[j]) * D;
                 for (int c = 0; c < D; ++c)
-                  forces[std::size_t(closed.masters[j]) * D + c] -= phi[j] * f[c];
+                  to[c] = to[c] - phi[j] * f[c] + more[j * D + c];
               });
-    if (corrects_moments())
-      _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
-                                       [&](int j, int c, double value)
-                                       { forces[std::size_t(closed.masters[j]) * D + c] += value; });
   }
 }
 

@@ -50,7 +50,8 @@ public:
   void begin(const PredictedStep& step, const CorrectedNodes& nodes);
   /// One sweep: update the forces and project them on the admissible set (no tension, Coulomb's cone).
   /// @param[in] factor over-relaxation of the increments [1]
-  void solve_forces(const CorrectedNodes& nodes, double h, double factor);
+  /// @param[in] first it is the first one: nothing is corrected yet
+  void solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first);
   /// Add the forces to those of the nodes.
   void add_forces(std::span<double> forces) const;
   /// Results and work of the step.
@@ -94,7 +95,7 @@ private:
   void begin_friction(const PredictedStep& step, const CorrectedNodes& nodes);
   void update_friction();
   template <int D>
-  void sweep(const double* correction, double h, double factor);
+  void sweep(const double* correction, double h, double factor, bool first);
   template <int D>
   void add_all(std::span<double> forces) const;
   template <int D>

@@ -44,11 +44,17 @@ void KinematicStep::assign_numbers(operators::Halo& all, operators::Halo& halo, 
   for (const KinematicContact* contact : _contacts)
     for (std::size_t k = 0; k < contact->master_areas().size(); ++k)
       surfaces[k] += contact->master_areas()[k] > 0.0;
-  _nodes.clear();
+  std::vector<std::int32_t> nodes;
   for (const KinematicContact* contact : _contacts)
-    _nodes.insert(_nodes.end(), contact->nodes().begin(), contact->nodes().end());
-  std::sort(_nodes.begin(), _nodes.end());
-  _nodes.erase(std::unique(_nodes.begin(), _nodes.end()), _nodes.end());
+    nodes.insert(nodes.end(), contact->nodes().begin(), contact->nodes().end());
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  _ranges.clear();
+  for (const std::size_t node : nodes)
+    if (!_ranges.empty() && _ranges.back().second == node)
+      ++_ranges.back().second;
+    else
+      _ranges.emplace_back(node, node + 1);
   const std::size_t num = halo.num_nodes();
   std::vector<char> shared(num, 0);
   _shared.clear();
@@ -125,8 +131,8 @@ void KinematicStep::sum_forces(const PredictedStep& step)
 {
   CorrectedNodes& v = _values;
   bool deformable = false;
-  for (std::int32_t node : _nodes)
-    std::fill_n(v.force.data() + std::size_t(node) * _gdim, _gdim, 0.0);
+  double *force = v.force.data(), *correction = v.correction.data();
+  for_components(false, [force](std::size_t k) { force[k] = 0.0; });
   for (KinematicContact* contact : _contacts)
   {
     contact->add_forces(v.force);
@@ -134,13 +140,8 @@ void KinematicStep::sum_forces(const PredictedStep& step)
   }
   if (deformable)
     _halo->reverse(v.force, _gdim);
-  for (std::int32_t node : _nodes)
-    if (node < _halo->num_owned())
-      for (int c = 0; c < _gdim; ++c)
-      {
-        const std::size_t k = std::size_t(node) * _gdim + c;
-        v.correction[k] = step.h * v.force[k] * step.inverse_mass[k];
-      }
+  const double *inverse_mass = step.inverse_mass.data(), h = step.h;
+  for_components(true, [=](std::size_t k) { correction[k] = h * force[k] * inverse_mass[k]; });
   if (deformable)
     _halo->forward(v.correction, _gdim);
 }
@@ -148,13 +149,12 @@ void KinematicStep::sum_forces(const PredictedStep& step)
 void KinematicStep::correct(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {
   CorrectedNodes& v = _values;
-  for (std::int32_t node : _nodes)
-    for (int c = 0; c < _gdim; ++c)
-    {
-      const std::size_t k = std::size_t(node) * _gdim + c;
-      v.before[k] = step.du_before[k];
-      v.correction[k] = 0.0;
-    }
+  for_components(false,
+                 [&](std::size_t k)
+                 {
+                   v.before[k] = step.du_before[k];
+                   v.correction[k] = 0.0;
+                 });
   int sweeps = 0;
   for (KinematicContact* contact : _contacts)
   {
@@ -167,17 +167,15 @@ void KinematicStep::correct(const PredictedStep& step, std::span<double> u, std:
   for (int sweep = 0; sweep < sweeps; ++sweep)
   {
     for (KinematicContact* contact : _contacts)
-      contact->solve_forces(v, step.h, sweep % 2 ? over_relaxation : 1.0);
+      contact->solve_forces(v, step.h, sweep % 2 ? over_relaxation : 1.0, sweep == 0);
     sum_forces(step);
   }
-  for (std::int32_t node : _nodes)
-    if (node < _halo->num_owned())
-      for (int c = 0; c < _gdim; ++c)
-      {
-        const std::size_t k = std::size_t(node) * _gdim + c;
-        u[k] += v.correction[k];
-        f[k] += v.force[k];
-      }
+  for_components(true,
+                 [&](std::size_t k)
+                 {
+                   u[k] += v.correction[k];
+                   f[k] += v.force[k];
+                 });
   _halo->forward(u, _gdim);
   for (KinematicContact* contact : _contacts)
     contact->record(v, step.h, step.dt);

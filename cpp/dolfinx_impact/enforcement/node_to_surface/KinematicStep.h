@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "KinematicContact.h"
+#include <algorithm>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace dolfinx_impact::enforcement
@@ -30,11 +32,19 @@ private:
   template <int D>
   void find_largest_weights(std::span<const double> inverse_mass);
   void sum_forces(const PredictedStep& step);
+  /// Calls each(k) for the components of all nodes, or of those that the rank owns.
+  void for_components(bool owned, auto&& each) const
+  {
+    const std::size_t end = (owned ? _halo->num_owned() : _halo->num_nodes()) * std::size_t(_gdim);
+    for (const auto& [first, last] : _ranges)
+      for (std::size_t k = first * _gdim; k < std::min(last * _gdim, end); ++k)
+        each(k);
+  }
 
   std::vector<KinematicContact*> _contacts;
   operators::Halo* _halo = nullptr;
-  std::vector<std::int32_t> _nodes;  ///< that any contact acts on, ascending
-  std::vector<std::int32_t> _shared; ///< owned ones that belong to several surfaces
+  std::vector<std::pair<std::size_t, std::size_t>> _ranges; ///< of nodes that any contact acts on: first and end
+  std::vector<std::int32_t> _shared;                        ///< owned ones that belong to several surfaces
   int _gdim = 0;
   CorrectedNodes _values;
 };

@@ -29,6 +29,20 @@ public:
                   sums[corners[j]].force[c] -= phi[j] * force[c];
               });
   }
+  /// The same with the moment correction of the force.
+  /// @param[in] correction correction(j, c): component c at node j
+  template <int D, int W>
+  void react(int num, const std::int32_t* corners, const double* phi, const double* force, auto&& correction)
+  {
+    Sum* sums = _sums.data();
+    for_nodes(num,
+              [&](int j)
+              {
+                double* sum = sums[corners[j]].force;
+                for (int c = 0; c < W; ++c)
+                  sum[c] = sum[c] - phi[j] * force[c] + (c < D ? correction(j, c) : 0.0);
+              });
+  }
   /// Add the moment correction of a force on a slave's node.
   /// @param[in] r as MomentCorrection::set returns
   /// @param[out] added by node of the facet, [j*D + c]; null: not wanted

@@ -4,14 +4,16 @@
 
 namespace dolfinx_impact::enforcement
 {
-/// Calls each(j) for the nodes of a facet; unrolled for quadrilaterals.
+/// Calls each(j) for the nodes of a facet; unrolled for quadrilaterals, and where the compiler knows the number.
 template <typename Each>
 inline void for_nodes(int num, Each&& each)
 {
   if (num == 4)
+#pragma GCC unroll 4
     for (int j = 0; j < 4; ++j)
       each(j);
   else
+#pragma GCC unroll 3
     for (int j = 0; j < num; ++j)
       each(j);
 }
@@ -33,11 +35,13 @@ struct MomentCorrection
   {
     double mean[D] = {}, squares[D][D] = {};
     const double part = 1.0 / num;
+#pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
       e[c] = -x[c];
     for_nodes(num,
               [&](int j)
               {
+#pragma GCC unroll 4
                 for (int c = 0; c < D; ++c)
                 {
                   r[j * D + c] = at(j, c);
@@ -48,9 +52,12 @@ struct MomentCorrection
     for_nodes(num,
               [&](int j)
               {
+#pragma GCC unroll 4
                 for (int c = 0; c < D; ++c)
                   r[j * D + c] -= mean[c];
+#pragma GCC unroll 4
                 for (int c = 0; c < D; ++c)
+#pragma GCC unroll 4
                   for (int d = 0; d <= c; ++d)
                     squares[c][d] += r[j * D + c] * r[j * D + d];
               });

@@ -5,11 +5,19 @@
 #include "../../state/State.h"
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 namespace dolfinx_impact::enforcement
 {
+/// Least and largest increment of any node, by component; infinite: unknown [L].
+struct IncrementRange
+{
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> least{-infinity, -infinity, -infinity}, largest{infinity, infinity, infinity};
+};
+
 /// State that the explicit integrator passes to contacts: arrays over the nodes of the Halo passed to `number`, entry
 /// node*gdim + c.
 struct NodalState
@@ -18,6 +26,7 @@ struct NodalState
   std::span<const double> du;           ///< their increments in the last step [L]
   std::span<const double> inverse_mass; ///< zero where prescribed [1/M]
   double dt = 0.0;                      ///< size of the last step [T]
+  IncrementRange range = {};            ///< of `du`
 };
 
 /// Energies of a contact on this rank; see docs/explicit/energies.md.
@@ -69,7 +78,8 @@ public:
   virtual void set_obstacle(const gap::RigidMotion& motion) = 0;
   /// The same after a restart: the motion is that of the last step, which has been completed.
   virtual void restore_obstacle(const gap::RigidMotion& motion) { set_obstacle(motion); }
-  /// Part of the motion allowed by the candidates that is used up two steps from now; search again from 1 on [1].
+  /// Part of the motion allowed by the candidates that is used up two steps from now, or an upper bound of it that is
+  /// less than 1; search again from 1 on [1].
   virtual double increment_used(const NodalState& state) const = 0;
 
   /// Reset the prediction of the search distance, so that runs with and without a restart search alike.

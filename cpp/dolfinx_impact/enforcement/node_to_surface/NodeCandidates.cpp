@@ -186,6 +186,7 @@ void NodeCandidates::mean_motion(std::span<const double> du)
     _mean[c] = mean;
   }
   _time = 0.0;
+  _motion_bound = std::numeric_limits<double>::infinity(); // the next look is at the nodes
   _fresh = _known = true;
 }
 
@@ -269,24 +270,50 @@ void NodeCandidates::advance(double dt)
   _fresh = false;
 }
 
+/// Are all nodes near enough even if each of them moved as far as any can have? Then none needs to be looked at.
+/// @param[out] used as `increment_used`, an upper bound
+bool NodeCandidates::surely_near(const NodalState& state, double& used) const
+{
+  constexpr double enough = 0.99; // a hundredth is left for the rounding of many steps
+  const double since = _time - _bound_time;
+  double step = 0.0, ahead = 0.0;
+  for (int c = 0; c < _slave.gdim; ++c)
+  {
+    const auto largest = [&](double shift)
+    { return std::max(std::abs(state.range.least[c] - shift), std::abs(state.range.largest[c] - shift)); };
+    step += std::pow(largest(_velocity[c] * since), 2);
+    ahead += std::pow(largest(_velocity[c] * state.dt), 2);
+  }
+  _motion_bound += std::sqrt(step);
+  _bound_time = _time;
+  used = 2 * (_motion_bound + 2 * std::sqrt(ahead)) / _room;
+  return used < enough;
+}
+
 double NodeCandidates::increment_used(const NodalState& state) const
 {
   if (_rigid)
     return 0.0;
+  if (double used = 0.0; surely_near(state, used))
+    return used;
   const int gdim = _slave.gdim;
   const double ahead = _time + 2 * state.dt;
-  double motion = 0.0;
+  double motion = 0.0, now = 0.0;
   for (std::size_t i = 0; i < _watched_numbers.size(); ++i)
   {
     const std::size_t k = std::size_t(_watched_numbers[i]) * gdim;
-    double far = 0.0;
+    double far = 0.0, here = 0.0;
     for (int c = 0; c < gdim; ++c)
     {
+      const double moved = state.u[k + c] - _from[i * gdim + c];
       const double d = state.u[k + c] + 2 * state.du[k + c] - _from[i * gdim + c] - _velocity[c] * ahead;
       far += d * d;
+      here += (moved - _velocity[c] * _time) * (moved - _velocity[c] * _time);
     }
     motion = std::max(motion, far);
+    now = std::max(now, here);
   }
+  _motion_bound = std::sqrt(now);
   return _room > 0.0 ? 2 * std::sqrt(motion) / _room : 1.0;
 }
 } // namespace dolfinx_impact::enforcement

@@ -4,6 +4,7 @@
 #include "../../search/facet_exchange.h"
 #include "../../surface/Surface.h"
 #include "NodalContact.h"
+#include <limits>
 #include <memory>
 
 namespace dolfinx_impact::enforcement
@@ -71,6 +72,7 @@ public:
 private:
   void find_nodes(const surface::FunctionSpace& V, bool axisymmetric);
   void mean_motion(std::span<const double> du);
+  bool surely_near(const NodalState& state, double& used) const;
 
   bool _rigid;
   MPI_Comm _comm;
@@ -88,7 +90,9 @@ private:
   // Motion since the last search, relative to a translation at the mean velocity before that search.
   std::vector<double> _from; ///< displacements of the watched nodes at the last search
   double _room = 0.0, _time = 0.0, _mean[3] = {}, _velocity[3] = {};
-  double _step = 0.0;                 ///< largest increment of a watched node minus the mean increment
+  double _step = 0.0; ///< largest increment of a watched node minus the mean increment
+  /// Upper bound of this motion, summed up step by step from that of the nodes at some step, and the time it holds at.
+  mutable double _motion_bound = std::numeric_limits<double>::infinity(), _bound_time = 0.0;
   bool _fresh = true, _known = false; ///< _known: an earlier search exists
   std::int64_t _searches = 0;
 };

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "NodePenalty.h"
 #include "../../common/gather.h"
-#include "../friction.h"
 #include "MomentCorrection.h"
-#include "overlap.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,8 +11,6 @@
 
 namespace dolfinx_impact::enforcement
 {
-using surface::FacetElement;
-
 namespace
 {
 /// Names and members of a spring.
@@ -179,26 +175,6 @@ void NodePenalty::update_compliances(double dt)
   _compliance_step = dt;
 }
 
-/// Reciprocal of the contact stiffness: slave and master in series.
-inline double NodePenalty::compliance(const ContactPoint& point) const
-{
-  const double per_area = _per_area[point.i];
-  if (_penalty > 0.0)
-    return per_area / (_share * _penalty);
-  // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
-  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * per_area / most : 0.0;
-  double own = _slave_compliance[point.i], masters = 0.0;
-  for_nodes(point.num,
-            [&](int j)
-            {
-              const double weight = std::abs(point.phi[j]);
-              const search::MasterNode& master = _tracker.masters()[point.corners[j]];
-              own += weight * master.compliance;
-              masters += weight * master.area_compliance;
-            });
-  return (own + body + masters * per_area) / _share;
-}
-
 /// Opens the spring of a node that leaves through the surface. Half of the last force's work is done in this step.
 /// @param[in] motion increment of the node relative to the master [L]
 template <int D>
@@ -222,64 +198,86 @@ void NodePenalty::open_spring(std::size_t i, const double* n, double change, con
   _energy.friction += tangential_release(spring, 0.5 * squared * spring.compliance - 0.5 * work);
 }
 
-/// Adds the contact force of a node near the master.
+/// Puts a node near the master into the batch.
 template <int D>
-void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::span<double> f)
+void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
 {
+  SpringBatch& b = _batch;
+  const int l = b.num++;
   const std::size_t i = point.i;
   const search::Projection& at = point.at;
-  const double* n = at.normal;
-  constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
-  double motion[D] = {}, r = 0.0, way_squared = 0.0, increment[D] = {};
-  if (_rigid)
-  {
-    double x[D];
+  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
+  const bool oblique = at.rim != search::Projection::Rim::no ||
+                       (!_rigid && _tracker.master().geometry.degree != _tracker.master().displacement.degree);
+  const bool turns = b.corrects_moments && (b.friction > 0.0 || oblique);
+  double x[D], increment[D] = {};
+  if (_rigid || turns)
     position(i, state.u.data(), x);
+  if (_rigid)
     obstacle_increment(x, increment);
-  }
   for (int c = 0; c < D; ++c)
-    motion[c] = state.du[std::size_t(point.node) * D + c] - increment[c];
+  {
+    b.normal[c][l] = at.normal[c];
+    b.motion[c][l] = state.du[std::size_t(point.node) * D + c] - increment[c];
+    if (turns)
+      b.x[c][l] = x[c];
+    if (b.friction > 0.0)
+      b.tangential[c][l] = _tangential[i * D + c];
+  }
   const search::MasterNode* masters = _tracker.masters();
   for_nodes(point.num,
             [&](int j)
             {
+              const search::MasterNode& master = masters[point.corners[j]];
+              b.phi[j][l] = point.phi[j];
               for (int c = 0; c < D; ++c)
-                motion[c] -= point.phi[j] * masters[point.corners[j]].du[c];
+                b.du[j][c][l] = master.du[c];
+              if (turns)
+                for (int c = 0; c < D; ++c)
+                  b.X[j][c][l] = master.x[c];
+              b.master_compliance[j][l] = master.compliance;
+              b.area_compliance[j][l] = master.area_compliance;
             });
-  for (int c = 0; c < D; ++c)
-  {
-    r += n[c] * motion[c];
-    way_squared += motion[c] * motion[c];
-  }
+  const Spring& spring = _springs[i];
+  b.set_spring(l, spring);
+  b.gap[l] = at.gap + spring.offset;
+  b.beside[l] = at.rim == search::Projection::Rim::beside;
+  b.begins[l] = _closed[i] != 1;
+  b.oblique[l] = oblique;
+  b.per_area[l] = _per_area[i];
+  // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
+  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * _per_area[i] / most : 0.0;
+  b.compliance[l] = _slave_compliance[i] + body;
+}
+
+/// Adds the contact forces of the nodes of the batch, which is empty then.
+template <int D>
+void NodePenalty::add_batch(const NodalState& state, std::span<double> f)
+{
+  if (_batch.num == 0)
+    return;
+  evaluate(_batch);
+  for (int l = 0; l < _batch.num; ++l)
+    add_force<D>(_points[l], l, state, f);
+  _batch.num = 0;
+}
+
+/// Adds the contact force of lane l, or opens its node.
+template <int D>
+void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& state, std::span<double> f)
+{
+  constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
+  const SpringBatch& b = _batch;
+  const std::size_t i = point.i;
+  const search::Projection& at = point.at;
   Spring& spring = _springs[i];
-  const double gap = at.gap + spring.offset;
-  // Nodes that pass outside the master's boundary receive no force.
-  const double overlap = gap >= 0.0 && at.rim == search::Projection::Rim::beside ? 0.0 : mean_overlap(gap, r);
-  const bool begins = _closed[i] != 1;
-  double change = begins ? r : gap - spring.gap;
-  if (change * change > 4.0 * way_squared) // the nearest facet has changed: no motion of the step explains this change
-    change = std::copysign(2.0 * std::sqrt(way_squared), change);
-  // Without friction the force is along the gap but beside the rim, and where sum phi_j x_j is not on the facet.
-  const bool oblique = at.rim != search::Projection::Rim::no ||
-                       (!_rigid && _tracker.master().geometry.degree != _tracker.master().displacement.degree);
-  MomentCorrection correction;
-  double arms[FacetElement::max_nodes * D];
-  const bool turns = corrects_moments() && (_options.friction > 0.0 || oblique) && (overlap > 0.0 || !begins);
-  if (turns)
+  if (!(b.overlap[l] > 0.0))
   {
-    double x[D];
-    position(i, state.u.data(), x);
-    correction.set<D>(point.num, [&](int j, int c) { return masters[point.corners[j]].x[c]; }, point.phi, x, arms);
-    // A node that sticks to a facet turns with it: that is no slip.
-    if (_options.friction > 0.0)
-      correction.add_rotation<D>(
-          point.num, arms, [&](int j, int c) { return masters[point.corners[j]].du[c]; }, motion);
-  }
-  double* t = _tangential.data() + i * D;
-  if (!(overlap > 0.0))
-  {
-    if (!begins)
-      open_spring<D>(i, n, change, motion);
+    double motion[D];
+    for (int c = 0; c < D; ++c)
+      motion[c] = b.motion[c][l];
+    if (b.begins[l] == 0.0)
+      open_spring<D>(i, at.normal, b.change[l], motion);
     // A node that is open only by its offset would close again in the next step, with a force from nowhere.
     if (at.gap > 0.0)
       spring.offset = 0.0;
@@ -287,69 +285,66 @@ void NodePenalty::add_node(ContactPoint& point, const NodalState& state, std::sp
   }
   if (!_rigid)
     _tracker.track(i, at);
-
-  const double per_k = compliance(point), k = 1.0 / per_k, last_compliance = spring.compliance;
-  _energy.normal -= normal_step(spring, k * overlap, k, per_k, gap, change, begins);
-  const double normal_force = spring.force;
-  double force[W] = {}, tangential_squared = 0.0;
+  const double offset = spring.offset, per_area = _per_area[i];
+  spring = b.spring(l);
+  spring.offset = offset;
+  _energy.normal -= b.normal_loss[l];
+  double force[W] = {};
   for (int c = 0; c < D; ++c)
-    force[c] = normal_force * n[c];
+    force[c] = b.total[c][l];
   ContactStatus status = ContactStatus::slip;
   if (_options.friction > 0.0)
   {
-    const double part = part_below(gap, r), limit = _options.friction * normal_force;
-    double trial[D], turned[D], slip[D], stored = 0.0, along = 0.0;
-    for (int c = 0; c < D; ++c)
-      along += n[c] * motion[c];
+    _energy.friction += b.friction_loss[l];
     for (int c = 0; c < D; ++c)
     {
-      stored += 0.5 * t[c] * t[c] * last_compliance;
-      motion[c] -= along * n[c];
-      slip[c] = part * motion[c];
+      _tangential[i * D + c] = b.tangential[c][l];
+      _results.slip[i * D + c] += b.slip[c][l];
     }
-    bool slips = coulomb<D>(n, k, per_k, limit, t, slip, trial), changed = false;
-    for (int c = 0; c < D; ++c)
-      turned[c] = trial[c] + k * part * motion[c];
-    _energy.friction +=
-        tangential_step<D>(spring.tangential_surplus, turned, stored, motion, k, per_k, limit, t, changed);
-    for (int c = 0; c < D; ++c)
-    {
-      if (changed)
-        slip[c] = part * motion[c] + (t[c] - turned[c]) * per_k;
-      tangential_squared += t[c] * t[c];
-      force[c] += t[c];
-      _results.slip[i * D + c] += slip[c];
-    }
-    if (!slips && !changed)
+    if (b.sticks[l] > 0.0)
       status = ContactStatus::stick;
   }
-  const double per_area = _per_area[i];
   for (int c = 0; c < D; ++c)
   {
     f[std::size_t(point.node) * D + c] += force[c];
     _results.traction[i * D + c] = force[c] * per_area;
   }
   add_to_sums(i, state.u.data(), force);
-  _master_forces.react<W>(point.num, point.corners, point.phi, force);
-  if (turns && (tangential_squared > 0.0 || oblique))
-    _master_forces.correct<D>(correction, point.num, point.corners, arms, force);
+  const auto correction = [&b, l](int j, int c) { return b.correction[j][c][l]; };
+  if (b.corrected[l] > 0.0)
+    _master_forces.react<D, W>(point.num, point.corners, point.phi, force, correction);
+  else
+    _master_forces.react<W>(point.num, point.corners, point.phi, force);
   _closed[i] = 1;
-  _stiffness[i] = k;
+  _stiffness[i] = 1.0 / spring.compliance;
   _results.status[i] = status;
   _results.gap[i] = at.gap;
-  _results.pressure[i] = normal_force * per_area;
-  _energy.stored += spring.stored() + 0.5 * tangential_squared * per_k;
+  _results.pressure[i] = spring.force * per_area;
+  _energy.stored += b.stored[l];
 }
 
 template <int D>
 void NodePenalty::add_all(const NodalState& state, std::span<double> f)
 {
-  ContactPoint point;
+  SpringBatch& b = _batch;
+  b.gdim = D;
+  b.num_masters = _rigid ? 0 : _tracker.master().displacement.num_nodes();
+  b.friction = _options.friction;
+  b.given = _penalty > 0.0 ? _share * _penalty : 0.0;
+  b.share = _share;
+  b.corrects_moments = corrects_moments();
   // No gap changes by more than this in a step.
   const double reach = _rigid ? std::numeric_limits<double>::infinity() : 0.5 * _tracker.step();
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
-    if ((_rigid || !_tracker.skipped(i)) && find_contact(i, state.u.data(), state.du.data(), reach, true, point))
-      add_node<D>(point, state, f);
+  {
+    ContactPoint& point = _points[b.num];
+    if ((!_rigid && _tracker.skipped(i)) || !find_contact(i, state.u.data(), state.du.data(), reach, true, point))
+      continue;
+    add_node<D>(point, state);
+    if (b.num == SpringBatch::size)
+      add_batch<D>(state, f);
+  }
+  add_batch<D>(state, f);
   _master_forces.add_to(_tracker.master_nodes(), D, f);
 }
 

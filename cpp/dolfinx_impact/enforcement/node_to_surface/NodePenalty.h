@@ -2,7 +2,9 @@
 #pragma once
 #include "MasterForces.h"
 #include "NodeToSurface.h"
+#include "SpringBatch.h"
 #include "spring.h"
+#include <array>
 
 namespace dolfinx_impact::enforcement
 {
@@ -79,13 +81,16 @@ private:
   void add_to(state::State& saved) const override;
   void resume_nodes(const state::State& saved) override;
   void drop_stored_energy(std::size_t i) override;
-  double compliance(const ContactPoint& point) const;
   double node_compliance(double known, double inverse_mass, double dt) const;
   void update_compliances(double dt);
   template <int D>
   void open_spring(std::size_t i, const double* n, double change, const double* motion);
   template <int D>
-  void add_node(ContactPoint& point, const NodalState& state, std::span<double> f);
+  void add_node(const ContactPoint& point, const NodalState& state);
+  template <int D>
+  void add_batch(const NodalState& state, std::span<double> f);
+  template <int D>
+  void add_force(const ContactPoint& point, int l, const NodalState& state, std::span<double> f);
   template <int D>
   void add_all(const NodalState& state, std::span<double> f);
 
@@ -97,6 +102,8 @@ private:
   std::vector<double> _slave_compliance; ///< by slave node, in the present step [L/F]
   double _compliance_step = 0.0;         ///< step that compliances were made for; 0: none yet [T]
   MasterForces _master_forces;
+  SpringBatch _batch = {};
+  std::array<ContactPoint, SpringBatch::size> _points; ///< of the nodes in the batch
   std::vector<double> _stiffness;
   std::vector<Spring> _springs;
 };

@@ -142,11 +142,16 @@ std::vector<double> NodeToSurface::reference_gaps(const surface::FunctionSpace& 
   return out;
 }
 
-search::Projection NodeToSurface::adjusted(std::size_t i, Projection at) const
+inline void NodeToSurface::adjust(std::size_t i, Projection& at) const
 {
   // Layers end where the master does, and nodes beside it were not adjusted.
   if (!_shift.empty() && at.rim != Projection::Rim::beside && at.rim != Projection::Rim::below)
     at.gap += _shift[i];
+}
+
+search::Projection NodeToSurface::adjusted(std::size_t i, Projection at) const
+{
+  adjust(i, at);
   return at;
 }
 
@@ -233,12 +238,8 @@ void NodeToSurface::position(std::size_t i, const double* u, double* x) const
     x[c] = _candidates.X()[i * _gdim + c] + u[k + c];
 }
 
-void NodeToSurface::add_to_sums(std::size_t i, const double* u, const double* force)
+void NodeToSurface::add_moment(std::size_t i, const double* u, const double* force)
 {
-  for (int c = 0; c < _gdim; ++c)
-    _force[c] += force[c];
-  if (!_rigid || !_obstacle_motion.rotates)
-    return;
   double x[3];
   position(i, u, x);
   for (int c = 0; c < _gdim; ++c)
@@ -394,7 +395,7 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
 
 /// What rounding of the positions does to the gap of node i. Surfaces that touch have gaps of both signs within it:
 /// contact that took the negative ones for overlaps would set a body in motion that is at rest.
-double NodeToSurface::rounding(std::size_t i, const double* u) const
+inline double NodeToSurface::rounding(std::size_t i, const double* u) const
 {
   const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
   double size = _obstacle_size;
@@ -408,8 +409,12 @@ bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* d
 {
   point.i = i;
   point.node = _candidates.numbers()[i];
-  point.at = adjusted(i, _rigid ? rigid_point(i, u) : _tracker.locate(i, u, du));
   Projection& at = point.at;
+  if (_rigid)
+    at = rigid_point(i, u);
+  else
+    _tracker.locate(i, u, du, at);
+  adjust(i, at);
   if (at.gap < 0.0 && at.gap > -rounding(i, u))
     at.gap = 0.0;
   if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) &&

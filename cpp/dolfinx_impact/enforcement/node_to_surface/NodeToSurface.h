@@ -138,7 +138,13 @@ protected:
   /// Place of node i, (gdim) [L].
   void position(std::size_t i, const double* u, double* x) const;
   /// Add a force on node i to the sums of forces and of their moments.
-  void add_to_sums(std::size_t i, const double* u, const double* force);
+  void add_to_sums(std::size_t i, const double* u, const double* force)
+  {
+    for (int c = 0; c < _gdim; ++c)
+      _force[c] += force[c];
+    if (_rigid && _obstacle_motion.rotates)
+      add_moment(i, u, force);
+  }
   /// Projection of node i on the rigid master in the configuration u - back*du.
   search::Projection rigid_point(std::size_t i, const double* u, const double* du = nullptr, double back = 0.0) const;
   /// Upper bound of what forces per motion and area, at slave nodes wherever they meet the master, are over the masses
@@ -171,9 +177,11 @@ protected:
   Passage _passage;
 
 private:
+  void add_moment(std::size_t i, const double* u, const double* force);
   std::vector<double> reference_gaps(const surface::FunctionSpace& V);
   /// A projection whose gap is that of the node, adjusted as it was in the reference configuration.
   search::Projection adjusted(std::size_t i, search::Projection at) const;
+  void adjust(std::size_t i, search::Projection& at) const;
   double rounding(std::size_t i, const double* u) const;
   bool is_marked(const ContactPoint& point, const double* u, const double* du);
   /// Projection in the configuration u - back*du.

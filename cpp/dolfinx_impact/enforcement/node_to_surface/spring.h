@@ -88,6 +88,7 @@ double tangential_step(double& owed, const double* turned, double stored, const 
   const auto dot = [](const double* a, const double* b)
   {
     double sum = 0.0;
+#pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
       sum += a[c] * b[c];
     return sum;
@@ -100,16 +101,19 @@ double tangential_step(double& owed, const double* turned, double stored, const 
     // Forces without deficit lie in a ball about -k/2 times the motion.
     const double reach = 0.25 * k * k * dot(motion, motion) + 2.0 * k * (owed + at_hand);
     double away = 0.0;
+#pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
       away += (t[c] + 0.5 * k * motion[c]) * (t[c] + 0.5 * k * motion[c]);
     const double factor = reach > 0.0 ? std::min(1.0, std::sqrt(reach / away)) : 0.0;
     squared = 0.0;
+#pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
     {
       t[c] = factor * t[c] - (1.0 - factor) * 0.5 * k * motion[c];
       squared += t[c] * t[c];
     }
     const double cut = squared > limit * limit ? limit / std::sqrt(squared) : 1.0;
+#pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
       t[c] *= cut;
     taken = at_hand - 0.5 * (dot(t, motion) + cut * cut * squared * per_k);

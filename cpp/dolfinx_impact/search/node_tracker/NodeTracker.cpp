@@ -96,14 +96,16 @@ NodeQuery NodeTracker::query(std::size_t i, Configuration configuration, const d
   return out;
 }
 
-Projection NodeTracker::locate(std::size_t i, const double* u, const double* du)
+void NodeTracker::locate(std::size_t i, const double* u, const double* du, Projection& out)
 {
   ++_counters.nodes;
   if (!_batch.contains(i))
     project_batch(i, u);
   if (const NodeBatch::Result& found = _batch[i]; found.alone && found.at.facet >= 0)
-    return found.at;
-  Projection out;
+  {
+    out = found.at;
+    return;
+  }
   const auto listed = [&]
   {
     switch (_surface.kind())
@@ -119,9 +121,8 @@ Projection NodeTracker::locate(std::size_t i, const double* u, const double* du)
     }
     return locate_listed<Kind::general>(i, u, du, out);
   };
-  if (!_lists.expired(i, _motion.path(i)) && listed())
-    return out;
-  return locate_anew(i, u, du);
+  if (_lists.expired(i, _motion.path(i)) || !listed())
+    out = locate_anew(i, u, du);
 }
 
 /// The nearest of all facets, and a new list of candidates.
@@ -156,9 +157,7 @@ Projection NodeTracker::locate_before(std::size_t i, const double* u, const doub
 
 void NodeTracker::normal_before(const Projection& at, const double* u, const double* du, double* normal) const
 {
-  double nodes[3 * FacetElement::max_nodes];
-  _surface.positions(at.facet, {u, du}, nodes);
-  _surface.normal(at.facet, nodes, at.xi, normal);
+  _surface.normal_before(at.facet, at.xi, u, du, normal);
 }
 
 Projection NodeTracker::evaluate(std::size_t i, const double* u, double moved) const

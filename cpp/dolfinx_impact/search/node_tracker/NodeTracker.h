@@ -63,7 +63,13 @@ public:
   double step() const { return _motion.step(); }
   /// Closest point of node i. Facets count up to the search distance, or up to twice the motion of the step of the node
   /// against the closest point, if that is more.
-  Projection locate(std::size_t i, const double* u, const double* du);
+  void locate(std::size_t i, const double* u, const double* du, Projection& out);
+  Projection locate(std::size_t i, const double* u, const double* du)
+  {
+    Projection out;
+    locate(i, u, du, out);
+    return out;
+  }
   /// Closest point in the configuration u - back*du: 1 is that of the step before, 0 the present one.
   Projection locate_before(std::size_t i, const double* u, const double* du, double back = 1.0) const;
   /// Normal of the facet of a closest point, at the same place of the facet, in the configuration u - du.

@@ -11,8 +11,9 @@ namespace dolfinx_impact::search
 ///
 /// The path of a node is the sum, over the steps, of its own motion and of the largest motion of a node of the master,
 /// a common translation left out: no distance between the node and the surface changes by more than its path grows.
-/// The deformation of a side is the largest motion of one of its nodes since the last renewal, the side's mean
-/// translation left out: it bounds how far normals of the side can have rotated (NormalRotation).
+/// The deformation of a side is no less than the largest motion of one of its nodes since the last renewal, the side's
+/// mean translation left out: it bounds how far normals of the side can have rotated (NormalRotation). Where nodes were
+/// at the last renewal is looked at only once their steps since the last look add up to something.
 class RelativeMotion
 {
 public:
@@ -32,13 +33,13 @@ public:
 
   std::size_t size() const { return _points.size(); }
   /// Number of slave node i in the arrays of displacements.
-  std::int32_t node(std::size_t i) const { return _nodes[i]; }
+  std::int32_t node(std::size_t i) const { return _points[i].node; }
   /// Its reference position, and that of the last step [L].
-  const double* X(std::size_t i) const { return _undeformed.data() + i * _gdim; }
+  const double* X(std::size_t i) const { return _points[i].X; }
   const double* x(std::size_t i) const { return _points[i].x; }
 
   /// Length of the path of slave node i and the surface against each other since `reset` [L].
-  double path(std::size_t i) const { return _paths[i]; }
+  double path(std::size_t i) const { return _points[i].path; }
   /// Upper bound on the motion of nodes and surface against each other in the last step [L].
   double step() const { return _step; }
 
@@ -51,43 +52,53 @@ public:
   void fit();
 
   /// Deformations of the sides since the last `renew` [L].
-  double slave_deformation() const { return _slave.deformation; }
-  double master_deformation() const { return _master.deformation; }
-  double deformation() const { return _slave.deformation + _master.deformation; }
+  double slave_deformation() const { return _slave.deformation(); }
+  double master_deformation() const { return _master.deformation(); }
+  double deformation() const { return slave_deformation() + master_deformation(); }
   /// Ask for `renew` in the next step. Ignored while deformations are small: the normals of some facets may rotate
   /// with the least motion, which must not ask for renewals that are ever more frequent.
-  void request_renewal() { _renewal_due = _renewal_due || deformation() > _least_deformation; }
+  void request_renewal()
+  {
+    _renewal_due = _renewal_due || deformation() - 2.0 * (_slave.since_look + _master.since_look) > _least_deformation;
+    _look_due = true; // who asks again is judged by what has deformed indeed
+  }
   bool renewal_due() const { return _renewal_due; }
   /// Deformations are counted from the present configuration on.
   /// @param[in] u displacements [L]
   void renew(const double* u, const TrackedSurface& master);
 
 private:
-  struct Point
+  /// A slave node: what a step needs of it lies in one line of the cache.
+  struct alignas(64) Point
   {
-    double x[3];
+    double X[3] = {}, x[3] = {}; ///< position in the reference configuration and at the last step
+    double path = 0.0;
+    std::int32_t node = -1;
   };
   struct Side
   {
     std::vector<double> from;              ///< positions at the last renewal
-    double deformation = 0.0;              ///< since then
-    double shift[3] = {0.0, 0.0, 0.0};     ///< translation since then, left out
+    double seen = 0.0;                     ///< deformation since then when it was looked at last
+    double since_look = 0.0;               ///< sum of the largest motions of the steps since that look
+    double shift[3] = {0.0, 0.0, 0.0};     ///< translation since the last renewal
+    double left_out[3] = {0.0, 0.0, 0.0};  ///< the same, as it was predicted for the last step: what is left out
     double mean_step[3] = {0.0, 0.0, 0.0}; ///< mean motion in the last step
+    double deformation() const { return seen + since_look; }
   };
   template <int D>
   void add_step(const double* u, const double* du, TrackedSurface& master);
+  template <int D>
+  void look(const double* u, const TrackedSurface& master);
   void restart(const double* du, const TrackedSurface& master);
 
   int _gdim = 3;
-  std::vector<std::int32_t> _nodes, _others;
-  std::vector<double> _undeformed; ///< reference positions
-  std::vector<Point> _points;      ///< positions at the last step
-  std::vector<double> _paths;
+  std::vector<std::int32_t> _others;
+  std::vector<Point> _points;
   double _surface_path = 0.0, _fitted = 0.0, _step = 0.0; ///< _fitted: path of the surface when the tree was fitted
   double _shift[3] = {}, _step_shift[3] = {}, _mean_step[3] = {};
   Side _slave, _master;
   std::vector<double> _others_from; ///< displacements of the other nodes at the last renewal
-  double _least_deformation = 0.0;
-  bool _first = true, _restarted = false, _renewal_due = false;
+  double _least_deformation = 0.0, _most_unseen = 0.0;
+  bool _first = true, _restarted = false, _renewal_due = false, _look_due = false;
 };
 } // namespace dolfinx_impact::search

@@ -246,6 +246,40 @@ void TrackedSurface::normal(std::int32_t f, const double* facet, const double* x
   }
 }
 
+template <FacetShape S>
+void TrackedSurface::flat_normal_before(std::int32_t f, const double* xi, const double* u, const double* du,
+                                        double* normal) const
+{
+  constexpr int D = linear::dimension<S>;
+  const std::int32_t* corners = this->corners(f);
+  double x[linear::num_nodes<S>][D];
+  for (int j = 0; j < linear::num_nodes<S>; ++j)
+    for (int c = 0; c < D; ++c)
+    {
+      const std::size_t k = std::size_t(_nodes[corners[j]]) * D + c;
+      x[j][c] = X(corners[j])[c] + (u[k] - du[k]);
+    }
+  linear::normal<S>(x, xi, _facets.orientation[f], normal);
+}
+
+void TrackedSurface::normal_before(std::int32_t f, const double* xi, const double* u, const double* du,
+                                   double* normal) const
+{
+  switch (_kind)
+  {
+  case Kind::interval:
+    return flat_normal_before<FacetShape::interval>(f, xi, u, du, normal);
+  case Kind::triangle:
+    return flat_normal_before<FacetShape::triangle>(f, xi, u, du, normal);
+  case Kind::quadrilateral:
+    return flat_normal_before<FacetShape::quadrilateral>(f, xi, u, du, normal);
+  case Kind::general:
+    double x[3 * FacetElement::max_nodes];
+    positions(f, {u, du}, x);
+    return this->normal(f, x, xi, normal);
+  }
+}
+
 double TrackedSurface::rotation_rate(std::int32_t f, const double* facet, const double* xi) const
 {
   return NormalRotation::factor *

@@ -70,6 +70,8 @@ public:
   FacetProjection project(std::int32_t facet, const double* nodes, const double* x, const double* start) const;
   /// Unit normal of a facet, out of the master, at reference coordinates xi.
   void normal(std::int32_t facet, const double* nodes, const double* xi, double* normal) const;
+  /// The same in the configuration u - du, at less cost for facets of degree 1.
+  void normal_before(std::int32_t facet, const double* xi, const double* u, const double* du, double* normal) const;
   /// Upper bound on the rotation rate of that normal (NormalRotation) [1/L].
   double rotation_rate(std::int32_t facet, const double* nodes, const double* xi) const;
   /// Distance of a point from the box around a facet's stored positions: a lower bound on the facet's distance. Zero
@@ -100,6 +102,9 @@ public:
   void count_projections(std::int64_t num) { _projections += num; }
 
 private:
+  template <surface::FacetShape S>
+  void flat_normal_before(std::int32_t facet, const double* xi, const double* u, const double* du,
+                          double* normal) const;
   template <int gdim>
   void smooth_positions(std::int32_t facet, Configuration configuration, double* x) const;
   bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration configuration,
