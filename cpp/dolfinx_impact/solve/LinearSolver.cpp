@@ -198,6 +198,8 @@ LinearSolver::~LinearSolver()
   PetscBool over = PETSC_FALSE;
   if (PetscFinalized(&over) || over)
     return;
+  _updated.reset();
+  let_go(PetscObject(_shell));
   let_go(PetscObject(_ksp));
   let_go(PetscObject(_operator));
   let_go(PetscObject(_matrix));
@@ -280,6 +282,7 @@ void LinearSolver::reset()
 
 void LinearSolver::forget_matrix()
 {
+  _updated.reset();
   if (!_matrix)
     return;
   PC pc = nullptr;
@@ -423,6 +426,8 @@ bool LinearSolver::serves(const LinearSystem& system, double rtol)
   for (std::size_t i = 0; i < now.size() && now.size() == _pinned.size(); ++i)
     differ += bool(now[i]) != bool(_pinned[i]);
   MPI_Allreduce(MPI_IN_PLACE, &differ, 1, MPI_INT64_T, MPI_SUM, _comm);
+  if (uses_updated(system))
+    differ = _updated->num_missing();
   if (differ >= left)
     return false;
   check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT, left), "tolerances are set");
@@ -525,6 +530,28 @@ PetscErrorCode LinearSolver::multiply(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode LinearSolver::apply_updated(PC pc, Vec r, Vec z)
+{
+  void* context = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PCShellGetContext(pc, &context));
+  try
+  {
+    static_cast<const LinearSolver*>(context)->_updated->apply(r, z);
+  }
+  catch (const std::exception& error) // it must not pass through PETSc's C
+  {
+    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", error.what());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Are there factors that were updated for this system?
+bool LinearSolver::uses_updated(const LinearSystem& system) const
+{
+  return _updated && _own != system.id() && _updated->serves(system);
+}
+
 /// Products with a system, preconditioned by the present matrix. Collective.
 void LinearSolver::set_operators(LinearSystem& system)
 {
@@ -549,8 +576,23 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
 {
   PC pc = nullptr;
   check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
+  check(PetscObjectReference(PetscObject(pc)), "a preconditioner is kept");
+  if (uses_updated(system))
+  {
+    if (!_shell)
+    {
+      check(PCCreate(_comm, &_shell), "a preconditioner is made");
+      check(PCSetType(_shell, PCSHELL), "a preconditioner is made");
+      check(PCShellSetContext(_shell, this), "a preconditioner is made");
+      check(PCShellSetApply(_shell, &LinearSolver::apply_updated), "a preconditioner is made");
+    }
+    check(KSPSetPC(_ksp, _shell), "a preconditioner is chosen");
+  }
   set_operators(system);
   check(KSPSolve(_ksp, b, x), "a linear system is solved");
+  check(KSPSetPC(_ksp, pc), "a preconditioner is chosen");
+  check(PCDestroy(&pc), "a preconditioner is given back");
+  check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
   check(PCSetReusePreconditioner(pc, PETSC_TRUE), "a preconditioner is kept");
   PetscInt iterations = 0;
   check(KSPGetIterationNumber(_ksp, &iterations), "iterations are counted");

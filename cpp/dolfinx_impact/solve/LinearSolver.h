@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "LinearSystem.h"
+#include "UpdatedFactors.h"
 #include <array>
 #include <dolfinx/fem/FunctionSpace.h>
 #include <functional>
@@ -65,6 +66,11 @@ public:
   Mat factors(const LinearSystem& system) const;
   /// Pivots of these factors that are round-off: motions that nothing resists. Zero if the solver does not count them.
   int null_pivots() const;
+  /// Take factors that are updated for other active sets: they go as the factors go. A system for which they are
+  /// selected is solved with them.
+  void set_updated(std::unique_ptr<UpdatedFactors> updated) { _updated = std::move(updated); }
+  /// Those factors; null if there are none.
+  UpdatedFactors* updated() { return _updated.get(); }
   /// Forget the preconditioner and give back its memory: the next solution does not depend on earlier systems.
   /// Collective.
   void reset();
@@ -88,10 +94,12 @@ private:
     LinearSystem* system = nullptr; ///< that products are taken with
   };
   static PetscErrorCode multiply(Mat A, Vec x, Vec y);
+  static PetscErrorCode apply_updated(PC pc, Vec r, Vec z);
 
   void set_option(const std::string& key, const std::string& value);
   void forget_matrix();
   void choose_method(const char* method);
+  bool uses_updated(const LinearSystem& system) const;
   bool solved(LinearSystem& system, Vec b, Vec x, double rtol) const;
   bool serves(const LinearSystem& system, double rtol);
   void judge(double rtol);
@@ -114,10 +122,12 @@ private:
   Mat _operator = nullptr;                ///< products with the present system; one for all
   std::unique_ptr<Operator> _product;     ///< its context
   Mat _matrix = nullptr;                  ///< that the preconditioner was made of
-  std::uint64_t _own = 0;                 ///< number of the system that it was made of
-  std::vector<std::int8_t> _pinned;       ///< of that system
-  std::vector<std::string> _set;          ///< options in PETSc's database
-  std::vector<std::string> _asked;        ///< keys of those that were asked for
+  std::unique_ptr<UpdatedFactors> _updated;
+  PC _shell = nullptr;              ///< applies them
+  std::uint64_t _own = 0;           ///< number of the system that it was made of
+  std::vector<std::int8_t> _pinned; ///< of that system
+  std::vector<std::string> _set;    ///< options in PETSc's database
+  std::vector<std::string> _asked;  ///< keys of those that were asked for
   bool _given_rtol = false, _may_factorise = false, _pins = false, _keeps = true;
   int _restart = 0;
   PetscInt _max_it = 0;

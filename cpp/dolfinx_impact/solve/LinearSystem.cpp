@@ -118,6 +118,28 @@ std::vector<double> CondensedSystem::displacements(Vec y)
   return _condensation ? _condensation->increment(y) : operators::values_of(y, _pinned.size());
 }
 
+std::vector<double> CondensedSystem::forces(Vec b) const
+{
+  std::vector<double> out = operators::values_of(b, _pinned.size());
+  for (PetscInt i : _pinned_rows)
+    out[i] = 0.0;
+  return _condensation ? _condensation->forces(out) : out;
+}
+
+void CondensedSystem::set_unknowns(std::span<const double> increments, Vec b, Vec y) const
+{
+  std::vector<double> found(increments.begin(), increments.end());
+  if (_condensation)
+    found = _condensation->unknowns(increments);
+  const double* given = nullptr;
+  check(VecGetArrayRead(b, &given), "a vector is read");
+  for (PetscInt i : _pinned_rows)
+    found[i] = given[i] / _diagonal;
+  check(VecRestoreArrayRead(b, &given), "a vector is read");
+  Entries out(y);
+  std::ranges::copy(found, &out[0]);
+}
+
 Mat CondensedSystem::assemble()
 {
   Mat total = K();

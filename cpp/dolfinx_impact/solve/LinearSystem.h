@@ -71,6 +71,10 @@ public:
   std::span<const std::int8_t> pinned() const override { return _pinned; }
   bool symmetric() const override { return _symmetric; }
   enforcement::Condensation* condensation() { return _condensation; }
+  /// Nodal forces whose condensed residual is a right-hand side without its pinned entries, owned [F].
+  std::vector<double> forces(Vec b) const;
+  /// Unknowns that stand for increments of displacement; pinned ones are those of the right-hand side.
+  void set_unknowns(std::span<const double> increments, Vec b, Vec y) const;
 
 protected:
   double diagonal() const { return _diagonal; }

@@ -91,6 +91,20 @@ std::optional<std::pair<std::vector<double>, int>> LinearisedActiveSet::update()
   return {};
 }
 
+std::unique_ptr<UpdatedFactors>
+LinearisedActiveSet::updated_factors(std::shared_ptr<enforcement::Condensation> condensation)
+{
+  std::vector<UpdatedFactors::Column> columns;
+  for (std::size_t k = 0; k < _columns.size(); ++k)
+    columns.push_back({_columns[k], _opened[k] != 0,
+                       _opened[k] ? std::vector<double>() : _contact.unit_force(_columns[k]),
+                       std::move(_increments[k])});
+  const std::span<const std::int8_t> pinned = _system.pinned();
+  return std::make_unique<UpdatedFactors>(_comm, _factors, std::move(condensation),
+                                          std::vector<std::int8_t>(pinned.begin(), pinned.end()), _base,
+                                          std::move(columns), _product);
+}
+
 /// Value of a node's column, zero without one.
 double LinearisedActiveSet::column_value(std::int64_t number, const std::vector<double>& z) const
 {
@@ -146,9 +160,10 @@ void LinearisedActiveSet::add(const std::vector<std::int64_t>& fresh)
   Mat right = nullptr, answer = nullptr;
   check(MatCreateDense(_comm, rows, PETSC_DECIDE, PETSC_DETERMINE, PetscInt(fresh.size()), nullptr, &right),
         "right sides are made");
-  Vec x = _system.create_vector(), b = _system.create_vector();
+  Vec x = _system.create_vector(), b = _system.create_vector(), moved = _system.create_vector();
   check(VecSet(x, 0.0), "a vector is set");
   const std::vector<double> none(rows, 0.0);
+  const std::span<const std::int8_t> pinned = _system.pinned();
   double* columns = nullptr;
   check(MatDenseGetArrayWrite(right, &columns), "right sides are written");
   for (std::size_t k = 0; k < fresh.size(); ++k)
@@ -163,9 +178,15 @@ void LinearisedActiveSet::add(const std::vector<std::int64_t>& fresh)
     }
     else
     {
-      const std::vector<double> force = condensation.residual(_contact.unit_force(fresh[k]));
+      {
+        const std::vector<double> force = _contact.unit_force(fresh[k]);
+        Entries at(moved);
+        std::ranges::copy(force, &at[0]);
+      }
+      check(MatMultTranspose(condensation.left(), moved, b), "a force is condensed");
+      Entries load(b);
       for (PetscInt i = 0; i < rows; ++i)
-        column[i] = _system.pinned()[i] ? 0.0 : force[i];
+        column[i] = pinned[i] ? 0.0 : load[i];
     }
   }
   check(MatDenseRestoreArrayWrite(right, &columns), "right sides are written");
@@ -177,22 +198,29 @@ void LinearisedActiveSet::add(const std::vector<std::int64_t>& fresh)
   check(MatDenseGetArrayRead(answer, &values), "solutions are read");
   for (std::size_t k = 0; k < fresh.size(); ++k)
   {
-    condensation.known = opened[k] ? _contact.unit_gap(fresh[k]) : none;
     {
       Entries unknowns(x);
       std::copy_n(values + k * rows, rows, &unknowns[0]);
     }
-    _increments.push_back(_system.displacements(x));
+    check(MatMult(condensation.right(), x, moved), "displacements are found");
+    _increments.push_back(operators::values_of(moved, rows));
+    if (opened[k])
+    {
+      const std::vector<double> apart = _contact.unit_gap(fresh[k]);
+      for (PetscInt i = 0; i < rows; ++i)
+        _increments.back()[i] += apart[i];
+    }
     auto [gap, multiplier] = _contact.linearised_response(_increments.back(), _product(_increments.back()));
     _gaps.push_back(std::move(gap));
     _multipliers.push_back(std::move(multiplier));
     _columns.push_back(fresh[k]);
+    _opened.push_back(opened[k]);
   }
   check(MatDenseRestoreArrayRead(answer, &values), "solutions are read");
   condensation.known = known;
   check(MatDestroy(&right), "right sides are destroyed");
   check(MatDestroy(&answer), "solutions are destroyed");
-  check(VecDestroy(&x), "a vector is destroyed");
-  check(VecDestroy(&b), "a vector is destroyed");
+  for (Vec* v : {&x, &b, &moved})
+    check(VecDestroy(v), "a vector is destroyed");
 }
 } // namespace dolfinx_impact::solve

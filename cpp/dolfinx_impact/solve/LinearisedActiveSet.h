@@ -2,8 +2,10 @@
 #pragma once
 #include "../enforcement/StaticContact.h"
 #include "LinearSystem.h"
+#include "UpdatedFactors.h"
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -34,6 +36,9 @@ public:
   /// @returns displacement increments that are added to the solution, owned [L], and number of changes; nothing if the
   /// updates do not end or there are too many columns: the contact is then unchanged
   std::optional<std::pair<std::vector<double>, int>> update();
+  /// Give away the responses, for further systems with the same factors. Collective.
+  /// @param[in] condensation of the system that was solved
+  std::unique_ptr<UpdatedFactors> updated_factors(std::shared_ptr<enforcement::Condensation> condensation);
 
 private:
   void add(const std::vector<std::int64_t>& numbers);
@@ -49,5 +54,6 @@ private:
   std::vector<double> _gap, _multiplier;                             ///< of the solution
   std::vector<std::int64_t> _columns;                                ///< global numbers of the nodes with responses
   std::vector<std::vector<double>> _increments, _gaps, _multipliers; ///< by column
+  std::vector<int> _opened;                                          ///< by column: the node was active
 };
 } // namespace dolfinx_impact::solve

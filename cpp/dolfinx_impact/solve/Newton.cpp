@@ -45,6 +45,40 @@ private:
   std::chrono::steady_clock::time_point _start;
 };
 
+/// Sum of the products of matrices with values, owned; keeps its vectors as long as it lives.
+class MatrixProduct
+{
+public:
+  explicit MatrixProduct(std::span<const Mat> matrices) : _matrices(matrices)
+  {
+    check(MatCreateVecs(matrices.front(), &_x, &_y), "vectors are made");
+  }
+  ~MatrixProduct()
+  {
+    VecDestroy(&_x);
+    VecDestroy(&_y);
+  }
+  MatrixProduct(const MatrixProduct&) = delete;
+  MatrixProduct& operator=(const MatrixProduct&) = delete;
+
+  /// Collective.
+  std::vector<double> operator()(std::span<const double> values) const
+  {
+    {
+      Entries entries(_x);
+      std::ranges::copy(values, &entries[0]);
+    }
+    check(MatMult(_matrices.front(), _x, _y), "a matrix is multiplied");
+    for (Mat matrix : _matrices.subspan(1))
+      check(MatMultAdd(matrix, _x, _y, _y), "a matrix is multiplied");
+    return operators::values_of(_y);
+  }
+
+private:
+  std::span<const Mat> _matrices;
+  Vec _x = nullptr, _y = nullptr;
+};
+
 std::vector<double> diagonal_of(Mat K)
 {
   Vec diagonal = nullptr;
@@ -835,7 +869,7 @@ Newton::OneSolution Newton::solve_once(const Stiffness& stiffness, std::vector<d
                                        std::span<const double> guess, double rtol)
 {
   LinearSolver& solver = *_problem->linear_solver;
-  std::unique_ptr<enforcement::Condensation> condensed;
+  std::shared_ptr<enforcement::Condensation> condensed;
   std::vector<Mat> springs, extra = stiffness.penalties;
   {
     const Clock clock(seconds.contact);
@@ -875,6 +909,9 @@ Newton::OneSolution Newton::solve_once(const Stiffness& stiffness, std::vector<d
                                                stiffness.mean);
     if (condensed)
       start = condensed->unknowns(guess);
+    if (UpdatedFactors* const updated = solver.updated(); updated && condensed)
+      updated->select(dynamic_cast<CondensedSystem&>(*system), _multipliers.front()->numbers(),
+                      _multipliers.front()->active());
   }
   OneSolution out;
   Vec x = system->create_vector(), b = system->create_vector();
@@ -896,7 +933,7 @@ Newton::OneSolution Newton::solve_once(const Stiffness& stiffness, std::vector<d
   out.forces = product(matrices, out.moved);
   Mat factors = solver.factors(*system);
   if (_options.responses && out.fault.empty() && factors && !_saddle && _multipliers.size() == 1)
-    update_by_responses(dynamic_cast<CondensedSystem&>(*system), factors, residual, matrices, out);
+    update_by_responses(dynamic_cast<CondensedSystem&>(*system), condensed, factors, residual, matrices, out);
   for (Vec* v : {&x, &b})
     check(VecDestroy(v), "a vector is destroyed");
   system.reset();
@@ -906,12 +943,13 @@ Newton::OneSolution Newton::solve_once(const Stiffness& stiffness, std::vector<d
 }
 
 /// Update the active set of a contact without friction by LinearisedActiveSet. Collective.
-/// @param[in] system that was solved, and its factors
+/// @param[in] system that was solved, its condensation and its factors
 /// @param[in] residual owned [F]
 /// @param[in] matrices stiffness of bodies and contacts [F/L]
 /// @param[in,out] found the solution
-void Newton::update_by_responses(CondensedSystem& system, Mat factors, std::span<const double> residual,
-                                 std::span<const Mat> matrices, OneSolution& found)
+void Newton::update_by_responses(CondensedSystem& system, std::shared_ptr<enforcement::Condensation> condensed,
+                                 Mat factors, std::span<const double> residual, std::span<const Mat> matrices,
+                                 OneSolution& found)
 {
   enforcement::MultiplierContact& contact = *_multipliers.front(); // the only one
   if (contact.has_friction())
@@ -923,10 +961,13 @@ void Newton::update_by_responses(CondensedSystem& system, Mat factors, std::span
     std::vector<double> balance(residual.begin(), residual.end());
     add(balance, found.forces);
     contact.update_multipliers(balance);
-    updated = LinearisedActiveSet(
-                  contact, system, factors, [&](std::span<const double> v) { return product(matrices, v); },
-                  *_problem->space().dofmap()->index_map)
-                  .update();
+    const MatrixProduct forces(matrices);
+    LinearisedActiveSet set(
+        contact, system, factors, [&](std::span<const double> v) { return forces(v); },
+        *_problem->space().dofmap()->index_map);
+    updated = set.update();
+    if (updated && updated->second > 0)
+      _problem->linear_solver->set_updated(set.updated_factors(std::move(condensed)));
   }
   if (!updated || updated->second == 0)
     return;
@@ -938,19 +979,7 @@ void Newton::update_by_responses(CondensedSystem& system, Mat factors, std::span
 /// Sum of the products of matrices with values, owned. Collective.
 std::vector<double> Newton::product(std::span<const Mat> matrices, std::span<const double> values) const
 {
-  Vec x = nullptr, y = nullptr;
-  check(MatCreateVecs(matrices.front(), &x, &y), "vectors are made");
-  {
-    Entries entries(x);
-    std::ranges::copy(values, &entries[0]);
-  }
-  check(VecSet(y, 0.0), "a vector is set");
-  for (Mat matrix : matrices)
-    check(MatMultAdd(matrix, x, y, y), "a matrix is multiplied");
-  std::vector<double> out = operators::values_of(y);
-  check(VecDestroy(&x), "a vector is destroyed");
-  check(VecDestroy(&y), "a vector is destroyed");
-  return out;
+  return MatrixProduct(matrices)(values);
 }
 
 /// Set the multipliers of all contacts from the solution of the saddle point, whose unit of force is `unit`.

@@ -114,8 +114,8 @@ private:
 
   OneSolution solve_once(const Stiffness& stiffness, std::vector<double> residual, std::span<const double> guess,
                          double rtol);
-  void update_by_responses(CondensedSystem& system, Mat factors, std::span<const double> residual,
-                           std::span<const Mat> matrices, OneSolution& found);
+  void update_by_responses(CondensedSystem& system, std::shared_ptr<enforcement::Condensation> condensed, Mat factors,
+                           std::span<const double> residual, std::span<const Mat> matrices, OneSolution& found);
   std::string lost_contact(std::span<const std::int8_t> closed);
   std::string over_constrained() const;
   Increment did_not_converge(Increment result, bool moved, bool small, std::int64_t pending, double violation);

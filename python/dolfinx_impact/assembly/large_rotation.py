@@ -74,16 +74,23 @@ class RotationWarning:
         self._tags = None if material is None else material.cell_tags
         self._warned = False
         self._shortest: float | None = None  # edge of this rank's cells [L]
+        self._seen: FloatArray | None = None  # displacements of this rank that were looked at last [L]
+        self._found = 0.0  # largest rotation of this rank's cells then [rad]
 
     def _may_have_turned(self, u: Function) -> bool:
-        """Whether displacements on this rank differ so much that a cell may have turned far."""
+        """Whether nodes on this rank have moved so differently since the last look that a cell may have turned far."""
         mesh = u.function_space.mesh
         if self._shortest is None:
             num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
             sizes = mesh.h(mesh.topology.dim, np.arange(num_owned, dtype=np.int32))
             self._shortest = float(sizes.min(initial=np.inf)) / FLATTEST
-        values = u.x.array.reshape(-1, mesh.geometry.dim)
-        return len(values) > 0 and float(np.ptp(values, axis=0).max()) > 0.5 * LARGE * self._shortest
+        values: FloatArray = u.x.array
+        if self._seen is not None and len(self._seen) == len(values):
+            values = values - self._seen
+        values = values.reshape(-1, mesh.geometry.dim)
+        return len(values) > 0 and not float(np.ptp(values, axis=0).max()) <= 0.5 * (
+            LARGE - self._found
+        ) * self._shortest
 
     def look(self, u: Function, stacklevel: int) -> None:
         """Look at a displacement. Collective.
@@ -96,13 +103,17 @@ class RotationWarning:
         if self._warned or not self._parts or mesh.topology.dim != mesh.geometry.dim:
             return
         num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
+        may_have_turned = self._may_have_turned(u)
+        if may_have_turned:
+            self._seen, self._found = u.x.array.copy(), 0.0
         for tag, part in self._parts:
             cells: IntArray = np.arange(num_owned, dtype=np.int32)
             if tag is not None and self._tags is not None:
                 cells = self._tags.find(tag)
                 cells = cells[cells < num_owned]
-            angles = cell_rotations(u, cells) if self._may_have_turned(u) else np.zeros(0)
+            angles = cell_rotations(u, cells) if may_have_turned else np.zeros(0)
             angles = np.where(np.isfinite(angles), angles, 0.0)
+            self._found = max(self._found, float(np.max(angles, initial=0.0)))
             largest = mesh.comm.allreduce(float(np.max(angles, initial=0.0)), MPI.MAX)
             if largest <= LARGE:
                 continue

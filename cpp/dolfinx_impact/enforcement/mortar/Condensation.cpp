@@ -116,6 +116,24 @@ std::vector<double> Condensation::residual(std::span<const double> values) const
   return out;
 }
 
+std::vector<double> Condensation::forces(std::span<const double> residual) const
+{
+  if (residual.size() != _pinned.size())
+    throw std::invalid_argument("a residual has an entry for every owned degree of freedom");
+  std::vector<double> out(residual.begin(), residual.end());
+  for (const Constraints& p : _parts)
+    for (std::size_t i = 0; i < p.size(); ++i)
+      for (int a = 0; a < _gdim; ++a)
+      {
+        double& value = out[p.nodes[i] * _gdim + a];
+        value = 0.0;
+        for (int d = 0; d < _gdim; ++d)
+          if (!p.constrained[i * _gdim + d])
+            value += p.frames[(i * _gdim + a) * _gdim + d] * residual[p.nodes[i] * _gdim + d];
+      }
+  return out;
+}
+
 std::vector<double> Condensation::unknowns(std::span<const double> increments) const
 {
   if (increments.size() != _pinned.size())

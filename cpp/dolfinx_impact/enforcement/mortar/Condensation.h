@@ -29,6 +29,9 @@ public:
 
   /// T_L^T times a nodal residual, zero at pinned unknowns. Collective.
   std::vector<double> residual(std::span<const double> values) const;
+  /// Nodal forces without a part along constrained directions whose `residual` is given, with entries of zero at pinned
+  /// unknowns.
+  std::vector<double> forces(std::span<const double> residual) const;
   /// Unknowns y that stand for displacement increments: a first guess.
   std::vector<double> unknowns(std::span<const double> increments) const;
   /// Displacement increments T y + known. Collective.
