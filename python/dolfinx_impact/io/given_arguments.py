@@ -33,7 +33,7 @@ from .. import _cpp, compat
 from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
-from ..materials import FULL, Material
+from ..materials import Material
 
 LONG = 2000  # characters; the rest of a longer text is replaced by a checksum
 SUMS = "sums of "  # beginning of the names of arrays
