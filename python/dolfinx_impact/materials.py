@@ -411,8 +411,9 @@ def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
     hypotheses = {m.hypothesis for m in materials.values()}
     if len(hypotheses) > 1:
         raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
-    if len({m.integration for m in materials.values()}) > 1:
-        raise ValueError("materials of one mesh share one integration, found 'full' and 'reduced'")
+    integrations = sorted({m.integration for m in materials.values()})
+    if len(integrations) > 1:
+        raise ValueError(f"materials of one mesh share one integration, found {', '.join(integrations)}")
     tdim = cell_tags.topology.dim
     if cell_tags.dim != tdim:
         raise ValueError(f"materials need tags of cells (dimension {tdim}), found tags of dimension {cell_tags.dim}")
