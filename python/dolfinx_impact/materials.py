@@ -413,7 +413,7 @@ def _check_map(cell_tags: MeshTags, materials: Mapping[int, _Material]) -> None:
         raise ValueError(f"materials of one body share one hypothesis, found {sorted(map(str, hypotheses))}")
     integrations = sorted({m.integration for m in materials.values()})
     if REDUCED in integrations and len(integrations) > 1:
-        raise ValueError(f"materials of one mesh share one integration, found {' and '.join(map(repr, integrations))}")
+        raise ValueError(f"materials of one mesh share one integration, found {', '.join(integrations)}")
     tdim = cell_tags.topology.dim
     if cell_tags.dim != tdim:
         raise ValueError(f"materials need tags of cells (dimension {tdim}), found tags of dimension {cell_tags.dim}")

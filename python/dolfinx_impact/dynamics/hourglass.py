@@ -12,7 +12,7 @@ from ..common.described import Described
 from ..forms import one_point
 from ..materials import MaterialMap, _Material
 
-WARN = 0.05  # part of the internal energy that is warned of: common limit for hourglass energy, of Belytschko et al.
+WARN = 0.05  # part of the internal energy that is warned of: a usual limit for hourglass energy
 EVERY = 500  # steps between two looks at the energy: a look costs about a step
 
 
