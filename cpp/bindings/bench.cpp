@@ -58,6 +58,7 @@ void dolfinx_impact::bindings::bench(nb::module_& m)
       .def(
           "start", [](HandWrittenStep& self, Values u, Values v) { self.start(view(u), view(v)); }, nb::arg("u"),
           nb::arg("v"))
+      .def_static("widths", &HandWrittenStep::widths, "Cells at a time that this processor can take")
       .def("run", &HandWrittenStep::run, nb::arg("num_steps"), nb::arg("step"))
       .def(
           "displacement", [](const HandWrittenStep& self) { return take(self.displacement()); }, nb::rv_policy::move);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "HandWrittenStep.h"
+#include "dolfinx_impact/kernels/KernelTable.h"
 #include "dolfinx_impact/operators/lanes.h"
 #include <algorithm>
 #include <stdexcept>
@@ -27,6 +28,17 @@ void spread(std::span<const double> values, double* padded)
     padded[4 * (i / 3) + i % 3] = values[i];
 }
 } // namespace
+
+std::vector<int> HandWrittenStep::widths()
+{
+  std::vector<int> out;
+#if defined(__x86_64__) && defined(__GNUC__)
+  for (int width : {4, 8})
+    if (width <= kernels::processor_width())
+      out.push_back(width);
+#endif
+  return out;
+}
 
 HandWrittenStep::HandWrittenStep(std::span<const double> x, std::span<const std::int32_t> cells, int nodes_per_cell,
                                  const Elasticity& elasticity, std::span<const double> mass, int width)

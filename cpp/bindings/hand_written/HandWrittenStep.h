@@ -12,6 +12,8 @@ namespace dolfinx_impact::hand_written
 class HandWrittenStep
 {
 public:
+  /// Cells at a time that there are loops for and that this processor has vectors for: of 4 (AVX2) and 8 (AVX-512).
+  static std::vector<int> widths();
   /// @param[in] x positions of the nodes, shape (num_nodes, 3) [L]
   /// @param[in] cells nodes of each cell in DOLFINx's order, shape (num_cells, nodes_per_cell)
   /// @param[in] nodes_per_cell 8: hexahedra with 2 x 2 x 2 points; 4, 10: tetrahedra with straight sides and one and
