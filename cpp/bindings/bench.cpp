@@ -50,8 +50,8 @@ void dolfinx_impact::bindings::bench(nb::module_& m)
           [](HandWrittenStep* self, Values x, Indices cells, int nodes_per_cell, double mu, double lambda, Values mass,
              int width)
           {
-            new (self) HandWrittenStep(view(x), {cells.data(), cells.size()}, nodes_per_cell, {mu, lambda}, view(mass),
-                                       width);
+            new (self)
+                HandWrittenStep(view(x), {cells.data(), cells.size()}, nodes_per_cell, {mu, lambda}, view(mass), width);
           },
           nb::arg("x"), nb::arg("cells"), nb::arg("nodes_per_cell"), nb::arg("mu"), nb::arg("lambda_"), nb::arg("mass"),
           nb::arg("width"))
@@ -60,6 +60,5 @@ void dolfinx_impact::bindings::bench(nb::module_& m)
           nb::arg("v"))
       .def_static("widths", &HandWrittenStep::widths, "Cells at a time that this processor can take")
       .def("run", &HandWrittenStep::run, nb::arg("num_steps"), nb::arg("step"))
-      .def(
-          "displacement", [](const HandWrittenStep& self) { return take(self.displacement()); }, nb::rv_policy::move);
+      .def("displacement", [](const HandWrittenStep& self) { return take(self.displacement()); }, nb::rv_policy::move);
 }

@@ -22,10 +22,10 @@ struct Elasticity
 /// Nodal arrays have four entries per node, the fourth is padding; they are aligned to 32 bytes.
 struct NodalArrays
 {
-  const double* x = nullptr; ///< positions before deformation [L]
-  double* u = nullptr;       ///< displacements [L]
-  double* v = nullptr;       ///< velocities half a step before [L/T]
-  double* r = nullptr;       ///< internal forces; zero between steps [F]
+  const double* x = nullptr;            ///< positions before deformation [L]
+  double* u = nullptr;                  ///< displacements [L]
+  double* v = nullptr;                  ///< velocities half a step before [L/T]
+  double* r = nullptr;                  ///< internal forces; zero between steps [F]
   const double* inverse_mass = nullptr; ///< one entry per node [1/M]
 };
 

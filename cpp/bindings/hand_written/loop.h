@@ -35,8 +35,10 @@ struct Rows
 
 ALWAYS Rows columns(const double* a, const std::int32_t* nodes)
 {
-  const __m256d r0 = _mm256_load_pd(a + 4 * std::int64_t(nodes[0])), r1 = _mm256_load_pd(a + 4 * std::int64_t(nodes[1]));
-  const __m256d r2 = _mm256_load_pd(a + 4 * std::int64_t(nodes[2])), r3 = _mm256_load_pd(a + 4 * std::int64_t(nodes[3]));
+  const __m256d r0 = _mm256_load_pd(a + 4 * std::int64_t(nodes[0])),
+                r1 = _mm256_load_pd(a + 4 * std::int64_t(nodes[1]));
+  const __m256d r2 = _mm256_load_pd(a + 4 * std::int64_t(nodes[2])),
+                r3 = _mm256_load_pd(a + 4 * std::int64_t(nodes[3]));
   const __m256d t0 = _mm256_unpacklo_pd(r0, r1), t1 = _mm256_unpackhi_pd(r0, r1);
   const __m256d t2 = _mm256_unpacklo_pd(r2, r3), t3 = _mm256_unpackhi_pd(r2, r3);
   return {_mm256_permute2f128_pd(t0, t2, 0x20), _mm256_permute2f128_pd(t1, t3, 0x20),
@@ -210,13 +212,14 @@ ALWAYS void tetrahedron10(const std::int32_t* nodes, const Elasticity& e, const 
     scatter(a.r, nodes + i * W, f[i]);
 }
 
-/// Derivatives at 2 x 2 x 2 points by edges, of one component: that along one direction is constant in it. Entry [d][j] is
-/// that of direction d at the points j of the two other directions, the earlier of which changes first.
+/// Derivatives at 2 x 2 x 2 points by edges, of one component: that along one direction is constant in it. Entry [d][j]
+/// is that of direction d at the points j of the two other directions, the earlier of which changes first.
 typedef V Edges[3][4];
 
 constexpr double low = 0.21132486540518713, high = 1.0 - low; // Gauss points of [0, 1]
 
-/// Values at two ends of two pairs of edges -> at two points, and again in the other direction. It is its own transpose.
+/// Values at two ends of two pairs of edges -> at two points, and again in the other direction. It is its own
+/// transpose.
 ALWAYS void to_points(V (&a)[4])
 {
   const V b0 = high * a[0] + low * a[1], b1 = low * a[0] + high * a[1];

@@ -19,14 +19,14 @@ constexpr int steps_per_look = 4;
 CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>& V, FormForces internal, bool linear,
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _positions(V), _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs(),
-                                // kernels read whole nodes where the space has those as blocks
-                                V->dofmap()->bs() == V->dofmap()->index_map_bs()),
-      _internal(std::move(internal)), _alpha(alpha), _scheme(scheme), _loads(_fields.owned_entries), _contact(V->dofmap()->index_map->comm()),
-      _energies(V->dofmap()->index_map->comm(),
-                _internal.has_history() ? InternalEnergy::elastic
-                : linear                ? InternalEnergy::quadratic
-                                        : InternalEnergy::work,
-                scheme, alpha)
+                             // kernels read whole nodes where the space has those as blocks
+                             V->dofmap()->bs() == V->dofmap()->index_map_bs()),
+      _internal(std::move(internal)), _alpha(alpha), _scheme(scheme), _loads(_fields.owned_entries),
+      _contact(V->dofmap()->index_map->comm()), _energies(V->dofmap()->index_map->comm(),
+                                                          _internal.has_history() ? InternalEnergy::elastic
+                                                          : linear                ? InternalEnergy::quadratic
+                                                                                  : InternalEnergy::work,
+                                                          scheme, alpha)
 {
   if (mass.size() != _fields.own)
     throw std::invalid_argument("the mass has " + std::to_string(mass.size()) + " entries on this rank, the space " +
@@ -328,8 +328,8 @@ Energies CentralDifference::energies()
   if (!_evaluated)
     evaluate();
   const NodalFields& f = _fields;
-  Sums sums =
-      measure(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step), f.u.data(), f.v.data());
+  Sums sums = measure(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step),
+                      f.u.data(), f.v.data());
   const double power = _prescribed.power(_last_step, _alpha, _beyond.data(), f.mass.data(), _loads, f.u.data(),
                                          f.v.data(), f.r.data(), sums);
   _contact.measure_bodies(_last_step > 0.0 ? _last_step : 0.0, _last_step == 0.0);

@@ -7,8 +7,7 @@
 
 namespace dolfinx_impact::integrators
 {
-DeformationWatch::DeformationWatch(std::span<const std::int32_t> nodes, int nodes_per_cell, int bs,
-                                   int stride)
+DeformationWatch::DeformationWatch(std::span<const std::int32_t> nodes, int nodes_per_cell, int bs, int stride)
     : _nodes(nodes.begin(), nodes.end()), _width(nodes_per_cell), _bs(bs), _stride(stride)
 {
   if (nodes_per_cell < 1 || nodes.size() % nodes_per_cell)
@@ -94,7 +93,8 @@ bool DeformationWatch::passed(std::span<const double> u)
                     [&](auto width, auto bs, auto stride)
                     {
                       for (std::size_t cell = 0; cell < _allowed.size(); ++cell)
-                        if (largest_difference(_nodes.data() + cell * width, _moved.data(), width, bs, stride) > _allowed[cell])
+                        if (largest_difference(_nodes.data() + cell * width, _moved.data(), width, bs, stride) >
+                            _allowed[cell])
                           return true;
                       return false;
                     });

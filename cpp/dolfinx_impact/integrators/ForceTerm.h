@@ -74,10 +74,10 @@ private:
 
   FormForces _forms;
   WorkKind _kind;
-  double _sign;                    ///< in the residual
+  double _sign;                       ///< in the residual
   std::vector<std::int32_t> _entries; ///< of the fields' arrays that the forms reach, increasing
-  bool _few = false;               ///< are they few of all?
-  bool _gathered = false;          ///< the force has contributions of other ranks, beyond `_entries`
+  bool _few = false;                  ///< are they few of all?
+  bool _gathered = false;             ///< the force has contributions of other ranks, beyond `_entries`
   AlignedVector _force;
   double _position = 0.0;
 };

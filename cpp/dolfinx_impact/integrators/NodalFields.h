@@ -46,8 +46,8 @@ struct NodalFields
   std::vector<double> owned_values(const AlignedVector& values) const;
 
   int bs, stride;
-  std::size_t owned; ///< degrees of freedom that this rank owns
-  std::size_t own;   ///< these and the space's ghosts
+  std::size_t owned;                      ///< degrees of freedom that this rank owns
+  std::size_t own;                        ///< these and the space's ghosts
   std::size_t owned_entries, own_entries; ///< of the arrays: likewise
   std::unique_ptr<Halo> halo;
   AlignedVector u, v, r;       ///< displacement [L], velocity half a step before [L/T], residual [F]

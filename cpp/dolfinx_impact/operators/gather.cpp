@@ -87,11 +87,17 @@ sweep_function sweep_x86(int lanes, int bs, int stride)
 }
 gather_function gather_x86(int lanes, int bs, int stride)
 {
-  return bs == 2 ? gather_x86<2, 2>(lanes) : bs != 3 ? nullptr : stride == 4 ? gather_x86<3, 4>(lanes) : gather_x86<3, 3>(lanes);
+  return bs == 2       ? gather_x86<2, 2>(lanes)
+         : bs != 3     ? nullptr
+         : stride == 4 ? gather_x86<3, 4>(lanes)
+                       : gather_x86<3, 3>(lanes);
 }
 scatter_function scatter_x86(int lanes, int bs, int stride)
 {
-  return bs == 2 ? scatter_x86<2, 2>(lanes) : bs != 3 ? nullptr : stride == 4 ? scatter_x86<3, 4>(lanes) : scatter_x86<3, 3>(lanes);
+  return bs == 2       ? scatter_x86<2, 2>(lanes)
+         : bs != 3     ? nullptr
+         : stride == 4 ? scatter_x86<3, 4>(lanes)
+                       : scatter_x86<3, 3>(lanes);
 }
 #else
 sweep_function sweep_x86(int, int, int)
@@ -116,8 +122,9 @@ constexpr int most_components = 12;
 void check(const std::string& what, int bs, int stride)
 {
   if (bs < 1 || bs > most_components)
-    throw std::runtime_error(what + " with " + std::to_string(bs) + " components per node are not supported: use 1 to " +
-                             std::to_string(most_components) + ", or a mixed element of several fields");
+    throw std::runtime_error(what + " with " + std::to_string(bs) +
+                             " components per node are not supported: use 1 to " + std::to_string(most_components) +
+                             ", or a mixed element of several fields");
   if (stride != bs && stride != padded_stride(bs))
     throw std::runtime_error(what + " with " + std::to_string(bs) + " components per node cannot have " +
                              std::to_string(stride) + " entries per node");
@@ -149,9 +156,7 @@ gather_function gather(int lanes, int bs, int stride)
   check("spaces", bs, stride);
   if (gather_function fast = gather_x86(lanes, bs, stride))
     return fast;
-  return lanes == 8   ? pick_gather<8>(bs, stride)
-         : lanes == 4 ? pick_gather<4>(bs, stride)
-                      : pick_gather<1>(bs, stride);
+  return lanes == 8 ? pick_gather<8>(bs, stride) : lanes == 4 ? pick_gather<4>(bs, stride) : pick_gather<1>(bs, stride);
 }
 
 scatter_function scatter(int lanes, int bs, int stride)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Gather and scatter of nodes with two and three components by register transposes; three may be padded to four. Writing a vector lane by lane and
-// reading it back whole stalls the processor (the stores cannot be forwarded), so lanes are put together in registers
-// instead.
+// Gather and scatter of nodes with two and three components by register transposes; three may be padded to four.
+// Writing a vector lane by lane and reading it back whole stalls the processor (the stores cannot be forwarded), so
+// lanes are put together in registers instead.
 #if defined(__x86_64__) && defined(__GNUC__)
 #include "gather.h"
 #include <cstdint>

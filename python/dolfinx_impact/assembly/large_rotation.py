@@ -88,9 +88,9 @@ class RotationWarning:
         if self._seen is not None and len(self._seen) == len(values):
             values = values - self._seen
         values = values.reshape(-1, mesh.geometry.dim)
-        return len(values) > 0 and not float(np.ptp(values, axis=0).max()) <= 0.5 * (
-            LARGE - self._found
-        ) * self._shortest
+        return (
+            len(values) > 0 and not float(np.ptp(values, axis=0).max()) <= 0.5 * (LARGE - self._found) * self._shortest
+        )
 
     def look(self, u: Function, stacklevel: int) -> None:
         """Look at a displacement. Collective.

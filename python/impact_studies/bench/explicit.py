@@ -151,11 +151,7 @@ def step_rows(
         rows.append(row(f"{name} whole step / own force", label, 1, rate, CELLS_PER_S, base))
         if cell in own:
             rows.append(own_row(setup, label, problem, count))
-        if (
-            law is materials.LinearElastic
-            and (cell, degree) in HAND_WRITTEN
-            and _cpp.bench.HandWrittenStep.widths()
-        ):
+        if law is materials.LinearElastic and (cell, degree) in HAND_WRITTEN and _cpp.bench.HandWrittenStep.widths():
             setup.u.x.array[:] = u_start
             rows.append(hand_written_row(setup, label, count))
     return rows
