@@ -7,6 +7,7 @@
 #include "dolfinx_impact/operators/KernelTangent.h"
 #include "dolfinx_impact/operators/NodalAverage.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
+#include "dolfinx_impact/operators/cell_rotations.h"
 #include "dolfinx_impact/operators/frequency.h"
 #include "dolfinx_impact/operators/lump.h"
 #include "dolfinx_impact/operators/nodal_averages.h"
@@ -204,6 +205,19 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           "displacement: its name in the kernels of measure. Collective")
       .def("update", &NodalAverage::update, "At the present displacement. Collective");
   bind_tangent(m);
+  m.def(
+      "cell_rotations",
+      [](Values x, Indices x_nodes, Values x_derivatives, Values u, Indices u_nodes, Values u_derivatives,
+         Indices cells, int gdim)
+      {
+        return bindings::take(cell_rotations(
+            {{x.data(), x.size()}, 3, {x_nodes.data(), x_nodes.size()}, {x_derivatives.data(), x_derivatives.size()}},
+            {{u.data(), u.size()}, gdim, {u_nodes.data(), u_nodes.size()}, {u_derivatives.data(), u_derivatives.size()}},
+            {cells.data(), cells.size()}, gdim));
+      },
+      nb::arg("x"), nb::arg("x_nodes"), nb::arg("x_derivatives"), nb::arg("u"), nb::arg("u_nodes"),
+      nb::arg("u_derivatives"), nb::arg("cells"), nb::arg("gdim"), nb::rv_policy::move,
+      "Rotations of cells at the point of the derivatives [rad]");
   m.def(
       "nodal_averages",
       [](const FunctionSpace& V, Values points, Values weights, Values values)

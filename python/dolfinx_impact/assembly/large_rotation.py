@@ -9,7 +9,7 @@ import numpy as np
 from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
-from .. import compat
+from .. import _cpp, compat
 from ..common.cell_numbers import input_cell_numbers
 from ..common.types import FloatArray, IntArray
 from ..inelastic import InelasticMaterial
@@ -17,7 +17,6 @@ from ..materials import LinearElastic, Material
 
 LARGE = 0.2  # rotation that is warned of [rad]: the small strain of it alone is -0.02
 FLATTEST = 10.0  # longest over shortest length of a cell, for a quick look; flatter ones are looked at too late
-CHUNK = 50_000  # cells at a time: their gradients take little memory
 
 
 class LargeRotation(UserWarning):
@@ -41,19 +40,8 @@ def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
     middle = np.asarray(basix.geometry(coordinates.cell_type)).mean(axis=0)[None, :]
     shape = V.element.basix_element.tabulate(1, middle)[1:, 0, :, 0]
     shape_of_place = coordinates.tabulate(1, middle)[1:, 0, :, 0]
-    values, out = u.x.array.reshape(-1, gdim), np.empty(len(cells))
-    for first in range(0, len(cells), CHUNK):
-        chunk = cells[first : first + CHUNK]
-        place = np.einsum("cni,kn->cik", x[dofmap[chunk], :gdim], shape_of_place)
-        moved = np.einsum("cni,kn->cik", values[V.dofmap.list[chunk]], shape)
-        F = np.eye(gdim) + moved @ np.linalg.inv(place)
-        if gdim == 2:
-            sine, cosine = F[:, 1, 0] - F[:, 0, 1], F[:, 0, 0] + F[:, 1, 1]
-        else:
-            axis = [F[:, j, i] - F[:, i, j] for i, j in ((0, 1), (0, 2), (1, 2))]
-            sine, cosine = np.linalg.norm(axis, axis=0), np.trace(F, axis1=1, axis2=2) - 1.0
-        out[first : first + CHUNK] = np.abs(np.arctan2(sine, cosine))
-    return out
+    places = x.ravel(), dofmap.ravel(), shape_of_place.ravel()
+    return _cpp.operators.cell_rotations(*places, u.x.array, V.dofmap.list.ravel(), shape.ravel(), cells, gdim)
 
 
 def _small_strain(material: object) -> bool:
@@ -74,23 +62,16 @@ class RotationWarning:
         self._tags = None if material is None else material.cell_tags
         self._warned = False
         self._shortest: float | None = None  # edge of this rank's cells [L]
-        self._seen: FloatArray | None = None  # displacements of this rank that were looked at last [L]
-        self._found = 0.0  # largest rotation of this rank's cells then [rad]
 
     def _may_have_turned(self, u: Function) -> bool:
-        """Whether nodes on this rank have moved so differently since the last look that a cell may have turned far."""
+        """Whether displacements on this rank differ so much that a cell may have turned far."""
         mesh = u.function_space.mesh
         if self._shortest is None:
             num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
             sizes = mesh.h(mesh.topology.dim, np.arange(num_owned, dtype=np.int32))
             self._shortest = float(sizes.min(initial=np.inf)) / FLATTEST
-        values: FloatArray = u.x.array
-        if self._seen is not None and len(self._seen) == len(values):
-            values = values - self._seen
-        values = values.reshape(-1, mesh.geometry.dim)
-        return (
-            len(values) > 0 and not float(np.ptp(values, axis=0).max()) <= 0.5 * (LARGE - self._found) * self._shortest
-        )
+        values = u.x.array.reshape(-1, mesh.geometry.dim)
+        return len(values) > 0 and float(np.ptp(values, axis=0).max()) > 0.5 * LARGE * self._shortest
 
     def look(self, u: Function, stacklevel: int) -> None:
         """Look at a displacement. Collective.
@@ -103,17 +84,13 @@ class RotationWarning:
         if self._warned or not self._parts or mesh.topology.dim != mesh.geometry.dim:
             return
         num_owned = mesh.topology.index_map(mesh.topology.dim).size_local
-        may_have_turned = self._may_have_turned(u)
-        if may_have_turned:
-            self._seen, self._found = u.x.array.copy(), 0.0
         for tag, part in self._parts:
             cells: IntArray = np.arange(num_owned, dtype=np.int32)
             if tag is not None and self._tags is not None:
                 cells = self._tags.find(tag)
                 cells = cells[cells < num_owned]
-            angles = cell_rotations(u, cells) if may_have_turned else np.zeros(0)
+            angles = cell_rotations(u, cells) if self._may_have_turned(u) else np.zeros(0)
             angles = np.where(np.isfinite(angles), angles, 0.0)
-            self._found = max(self._found, float(np.max(angles, initial=0.0)))
             largest = mesh.comm.allreduce(float(np.max(angles, initial=0.0)), MPI.MAX)
             if largest <= LARGE:
                 continue
