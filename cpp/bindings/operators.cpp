@@ -212,7 +212,10 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       {
         return bindings::take(cell_rotations(
             {{x.data(), x.size()}, 3, {x_nodes.data(), x_nodes.size()}, {x_derivatives.data(), x_derivatives.size()}},
-            {{u.data(), u.size()}, gdim, {u_nodes.data(), u_nodes.size()}, {u_derivatives.data(), u_derivatives.size()}},
+            {{u.data(), u.size()},
+             gdim,
+             {u_nodes.data(), u_nodes.size()},
+             {u_derivatives.data(), u_derivatives.size()}},
             {cells.data(), cells.size()}, gdim));
       },
       nb::arg("x"), nb::arg("x_nodes"), nb::arg("x_derivatives"), nb::arg("u"), nb::arg("u_nodes"),

@@ -152,8 +152,8 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
 
   const std::size_t entries = whole_lines(std::size_t(k.size_A) * _width) +
                               whole_lines(std::size_t(k.size_w) * _width) +
-                              whole_lines(std::size_t(3) * _x.num_nodes * _width) + 8;
-  _buffer.resize(entries);
+                              whole_lines(std::size_t(3) * _x.num_nodes * _width);
+  _buffer.resize((_sweep ? 2 : 1) * entries + 8);
 }
 
 void Batches::set_history(const Integral& integral)
@@ -352,8 +352,14 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
   s.values = _coefficients[0].values;
   s.b = b;
   s.A = A;
-  s.w = w + std::size_t(_coefficients[0].offset) * _width;
-  s.x = x;
+  const std::size_t behind = (_buffer.size() - 8) / 2; // the second half of the buffer is like the first one
+  for (int half = 0; half < 2; ++half)
+  {
+    s.w[half] = w + half * behind + std::size_t(_coefficients[0].offset) * _width;
+    s.x[half] = x + half * behind;
+  }
+  if (s.num_batches == 0)
+    return 0;
   _sweep(s);
   return s.num_batches;
 }

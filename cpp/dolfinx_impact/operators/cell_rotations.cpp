@@ -43,11 +43,9 @@ double rotation_in_space(const CellGradient<3>& u, const CellGradient<3>& x)
     }
   const double determinant = J[0][0] * cofactor[0][0] + J[0][1] * cofactor[0][1] + J[0][2] * cofactor[0][2];
   const auto gradient = [&](int i, int j)
-  {
-    return (u.at[i][0] * cofactor[j][0] + u.at[i][1] * cofactor[j][1] + u.at[i][2] * cofactor[j][2]) / determinant;
-  };
-  const double sine = std::hypot(gradient(1, 0) - gradient(0, 1), gradient(2, 0) - gradient(0, 2),
-                                 gradient(2, 1) - gradient(1, 2));
+  { return (u.at[i][0] * cofactor[j][0] + u.at[i][1] * cofactor[j][1] + u.at[i][2] * cofactor[j][2]) / determinant; };
+  const double sine =
+      std::hypot(gradient(1, 0) - gradient(0, 1), gradient(2, 0) - gradient(0, 2), gradient(2, 1) - gradient(1, 2));
   return std::abs(std::atan2(sine, 2.0 + gradient(0, 0) + gradient(1, 1) + gradient(2, 2)));
 }
 

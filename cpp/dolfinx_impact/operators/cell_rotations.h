@@ -12,7 +12,8 @@ struct CellVectors
   std::span<const double> values;      ///< [stride*node + component]
   int stride = 0;                      ///< entries per node
   std::span<const std::int32_t> nodes; ///< of all cells of the mesh, cell by cell
-  std::span<const double> derivatives; ///< of the shape functions in reference coordinates, shape (gdim, nodes of a cell)
+  std::span<const double>
+      derivatives; ///< of the shape functions in reference coordinates, shape (gdim, nodes of a cell)
 };
 
 /// Rotations of cells at a point: the angle of the skew part of F = I + grad u, exact where F only turns.

@@ -30,8 +30,8 @@ struct Sweep
   const double* values = nullptr;    ///< of the coefficient, with the stride of b
   double* b = nullptr;
   double* A = nullptr; ///< element vector, zero before and after
-  double* w = nullptr; ///< coefficient of a batch
-  double* x = nullptr; ///< positions of a batch
+  double* w[2] = {};   ///< coefficient of a batch, and of the next one
+  double* x[2] = {};   ///< positions likewise
 };
 /// Gathers, tabulates and scatters batch by batch, in one function: calls cost as much as a node of a small cell.
 typedef void (*sweep_function)(const Sweep&);
