@@ -31,13 +31,13 @@ std::shared_ptr<const dolfinx::common::IndexMap> three_nodes()
 TEST_CASE("a watch tells which cells have deformed since its reference")
 {
   const std::vector<std::int32_t> nodes{0, 1, 2, 1, 2, 3}; // two triangles
-  DeformationWatch watch(nodes, 3, 2);
+  DeformationWatch watch(nodes, 3, 2, 2);
   CHECK_FALSE(watch.is_set());
   std::vector<double> u(8, 5.0);
   CHECK_THROWS_AS(watch.passed(u), std::invalid_argument);
   CHECK_THROWS_AS(watch.set(u, std::vector<double>{1.0}), std::invalid_argument);
   CHECK_THROWS_AS(watch.set(std::vector<double>(6), std::vector<double>{1.0, 1.0}), std::invalid_argument);
-  CHECK_THROWS_AS(DeformationWatch(nodes, 4, 2), std::invalid_argument);
+  CHECK_THROWS_AS(DeformationWatch(nodes, 4, 2, 2), std::invalid_argument);
   watch.set(u, std::vector<double>{0.5, 0.2});
   for (double& x : u)
     x += 7.0; // a translation
@@ -60,7 +60,7 @@ TEST_CASE("a watch looks at cells of any size alike")
     std::vector<std::int32_t> nodes(width);
     for (int i = 0; i < width; ++i)
       nodes[i] = i;
-    DeformationWatch watch(nodes, width, bs);
+    DeformationWatch watch(nodes, width, bs, bs);
     std::vector<double> u(std::size_t(width) * bs);
     watch.set(u, std::vector<double>{0.0});
     u[std::size_t(width - 1) * bs + bs - 1] = -3.0;
@@ -229,7 +229,7 @@ TEST_CASE("nodes of contacts have numbers and values of their own")
   const ContactNodes::Products products = nodes.add_springs(fields);
   CHECK(products.position == -10.0);
   CHECK(products.work == Approx(-10.0).epsilon(1e-15));
-  CHECK(fields.r == std::vector<double>{-1.0, 0.0, 0.0, 0.0, 0.0, 2.0});
+  CHECK(fields.owned_values(fields.r) == std::vector<double>{-1.0, 0.0, 0.0, 0.0, 0.0, 2.0});
   SECTION("forces go on when other nodes are numbered")
   {
     nodes.assign_numbers(fields, {1, 2}, true);

@@ -9,6 +9,7 @@
 #include <dolfinx/fem/utils.h>
 #include <dolfinx/mesh/generation.h>
 #include <dolfinx_impact/common/create_functionspace.h>
+#include <dolfinx_impact/common/dolfinx_api.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
 #include <dolfinx_impact/operators/NodePositions.h>
@@ -30,7 +31,7 @@ struct PaddedCube
         V(space(degree)), u(std::make_shared<Function>(V))
   {
     const std::vector<double> x = V->tabulate_dof_coordinates(false);
-    auto& values = u->x()->mutable_array();
+    const std::span<double> values = dolfinx_impact::common::array(*u->x());
     for (std::size_t i = 0; i < x.size(); ++i)
       values[i] = 1e-3 * std::sin(3.0 * x[i] + double(i % 3));
   }
@@ -70,7 +71,7 @@ TEST_CASE("forces from padded arrays")
   const bool by_space = GENERATE(true, false);
   PaddedCube cube(cell, degree);
   InternalForce force = cube.force(degree, width);
-  const std::span<const double> u = cube.u->x()->array();
+  const std::span<const double> u = dolfinx_impact::common::array(*cube.u->x());
   std::vector<double> expected(u.size(), 1.0);
   force.assemble(expected);
 

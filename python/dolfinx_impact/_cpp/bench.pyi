@@ -1,6 +1,33 @@
 # SPDX-License-Identifier: MIT
 # Written by `make stub` from cpp/bindings: not to be changed by hand.
+from typing import Any
+
 import dolfinx.cpp
+import numpy
+from numpy.typing import NDArray
+
+class HandWrittenStep:
+    """
+    Central differences of a linear elastic body, written by hand for one cell and one law
+    """
+
+    def __init__(
+        self,
+        x: NDArray[numpy.floating[Any]],
+        cells: NDArray[numpy.integer[Any]],
+        nodes_per_cell: int,
+        mu: float,
+        lambda_: float,
+        mass: NDArray[numpy.floating[Any]],
+        width: int,
+    ) -> None: ...
+    def start(self, u: NDArray[numpy.floating[Any]], v: NDArray[numpy.floating[Any]]) -> None: ...
+    @staticmethod
+    def widths() -> list[int]:
+        """Cells at a time that this processor can take"""
+
+    def run(self, num_steps: int, step: float) -> None: ...
+    def displacement(self) -> NDArray[numpy.float64]: ...
 
 class Packed:
     """Coefficients of a DOLFINx form, packed into storage that is reused"""

@@ -205,6 +205,18 @@ def cell_masses_nodal(
 ) -> NDArray[numpy.float64]:
     """Lumped mass of a nodal rule by cell and local degree of freedom"""
 
+def cell_rotations(
+    x: NDArray[numpy.floating[Any]],
+    x_nodes: NDArray[numpy.integer[Any]],
+    x_derivatives: NDArray[numpy.floating[Any]],
+    u: NDArray[numpy.floating[Any]],
+    u_nodes: NDArray[numpy.integer[Any]],
+    u_derivatives: NDArray[numpy.floating[Any]],
+    cells: NDArray[numpy.integer[Any]],
+    gdim: int,
+) -> NDArray[numpy.float64]:
+    """Rotations of cells at the point of the derivatives [rad]"""
+
 def nodal_averages(
     V: dolfinx.cpp.fem.FunctionSpace_float64,
     points: NDArray[numpy.floating[Any]],

@@ -25,7 +25,8 @@ from dolfinx import fem
 from dolfinx.fem import Function, FunctionSpace
 from mpi4py import MPI
 
-from dolfinx_impact import _cpp, compat, materials, meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
+from dolfinx_impact import _cpp, compat, materials
+from dolfinx_impact import meshes  # type: ignore[attr-defined,unused-ignore]  # installed beside it
 from dolfinx_impact.common.mpi_launcher import on_ranks
 from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.contact import ContactPair, GeneralContact, Kinematic, Penalty, Tie

@@ -134,7 +134,7 @@ def check_checkpoint():
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Locking)
             plain = run(COMM, 0.02, "full")
-        with pytest.raises(ValueError, match="of another problem.*integration"):
+        with pytest.raises(ValueError, match="of another problem.*averaged_pressure"):
             plain.restore(file)
 
 
