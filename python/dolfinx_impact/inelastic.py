@@ -9,7 +9,7 @@ from dolfinx.mesh import Mesh
 
 from .forms import inelastic
 from .forms import materials as laws
-from .materials import _Material
+from .materials import REDUCED, _Material
 
 # What `respond` of a law of one's own returns.
 MaterialUpdate = inelastic.Update
@@ -48,21 +48,14 @@ class InelasticMaterial(_Material):
     history: dict[str, tuple[int, ...]] = {}
     unknown: tuple[int, ...] | None = None
 
-    def __init__(
-        self,
-        E: float,
-        nu: float,
-        density: float | None = None,
-        hypothesis: str | None = None,
-        integration: str = "full",
-    ) -> None:
-        if integration == "reduced":
+    def _check_integration(self, integration: str, hypothesis: str | None) -> None:
+        if integration == REDUCED:
             raise ValueError(
                 f"{type(self).__name__} has internal variables: one point with hourglass control (integration="
                 "'reduced') would keep the elastic stiffness of the hourglass modes while the material flows. Take "
                 "integration='full', which averages the dilatation of each cell and does not lock"
             )
-        super().__init__(E, nu, density, hypothesis, integration)
+        super()._check_integration(integration, hypothesis)
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any) -> inelastic.Update:
         """Stress and new history at a point, in UFL; a law of one's own writes this.

@@ -94,14 +94,17 @@ class _Material(Fixed):
             raise ValueError(f"density is {self.density}: it must not be negative [M/L^3]")
         if hypothesis is not None and hypothesis not in laws.HYPOTHESES:
             raise ValueError(f"hypothesis {hypothesis!r} is unknown: use one of {', '.join(laws.HYPOTHESES)}")
-        if integration not in INTEGRATIONS:
-            raise ValueError(f"integration {integration!r} is unknown: use one of {', '.join(INTEGRATIONS)}")
+        self._check_integration(integration, hypothesis)
         self.hypothesis = hypothesis
-        if integration == REDUCED and hypothesis == "axisymmetric":
-            raise ValueError(NOT_AXISYMMETRIC)
         self.integration = integration
         self.cell_tags = None
         self._constants: dict[tuple[int, str], Constant] = {}
+
+    def _check_integration(self, integration: str, hypothesis: str | None) -> None:
+        if integration not in INTEGRATIONS:
+            raise ValueError(f"integration {integration!r} is unknown: use one of {', '.join(INTEGRATIONS)}")
+        if integration == REDUCED and hypothesis == "axisymmetric":
+            raise ValueError(NOT_AXISYMMETRIC)
 
     def __repr__(self) -> str:
         return (
@@ -383,7 +386,7 @@ class MaterialMap(Fixed):
 
     @property
     def integration(self) -> str:
-        """Integration of all materials."""
+        """Integration of the materials: of a mixture of full and averaged ones that of the first."""
         return next(iter(self.materials.values())).integration
 
     @property

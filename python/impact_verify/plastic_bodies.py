@@ -116,6 +116,23 @@ class PlasticBodies:
         self.element = (cell, degree, 1, hypothesis)
 
 
+def held_block(both: Any) -> tuple[StaticProblem, fem.Constant, list[Any]]:
+    """Static problem of a block that is held at one end and moved at the other.
+
+    Args:
+        both: bodies of both sides, as PlasticBodies.
+
+    Returns:
+        The problem, the displacement of the moved end [L], and the nodes of both ends.
+    """
+    body, dim = both.body, both.body.gdim
+    tags, V = _tags(body.mesh, dim - 1), body.V
+    ends = [fem.locate_dofs_topological(V, dim - 1, tags.find(t)) for t in (1, 2)]
+    pull = fem.Constant(body.mesh, np.zeros(dim))
+    bcs = [fem.dirichletbc(np.zeros(dim), ends[0], V), fem.dirichletbc(pull, ends[1], V)]
+    return StaticProblem(both.u, both.steel, bcs=bcs), pull, ends
+
+
 def static(report: Report, *arguments: Any) -> None:
     """Add the rows of a block that is stretched beyond yield, sheared, and partly unloaded.
 
@@ -125,11 +142,7 @@ def static(report: Report, *arguments: Any) -> None:
     """
     both = PlasticBodies(*arguments)
     body, dim = both.body, both.body.gdim
-    tags, V = _tags(body.mesh, dim - 1), body.V
-    ends = [fem.locate_dofs_topological(V, dim - 1, tags.find(t)) for t in (1, 2)]
-    pull = fem.Constant(body.mesh, np.zeros(dim))
-    bcs = [fem.dirichletbc(np.zeros(dim), ends[0], V), fem.dirichletbc(pull, ends[1], V)]
-    problem = StaticProblem(both.u, both.steel, bcs=bcs)
+    problem, pull, ends = held_block(both)
     hypothesis, finite, average, law = arguments[2:6]
     # A linear fit of J is soon negative on the way to a solution: increments that are cut back end elsewhere. Sheets of
     # a law that saturates neck, with Armstrong and Frederick's alone where the strain is above ln(C/Y)/gamma = 0.014.

@@ -243,27 +243,27 @@ ALWAYS void derivatives(const V (&n)[8], Edges& e)
     to_points(e[d]);
 }
 
+/// @param[out] n by component, then by node
+ALWAYS void gather_components(const double* values, const std::int32_t* nodes, V (&n)[3][8])
+{
+  for (int i = 0; i < 8; ++i)
+  {
+    const Vector p = gather(values, nodes + i * W);
+    n[0][i] = p.c[0];
+    n[1][i] = p.c[1];
+    n[2][i] = p.c[2];
+  }
+}
+
 ALWAYS void hexahedron8(const std::int32_t* nodes, const Elasticity& e, const NodalArrays& a)
 {
   V n[3][8];
   Edges x[3], u[3], f[3];
-  for (int i = 0; i < 8; ++i)
-  {
-    const Vector p = gather(a.x, nodes + i * W);
-    n[0][i] = p.c[0];
-    n[1][i] = p.c[1];
-    n[2][i] = p.c[2];
-  }
+  gather_components(a.x, nodes, n);
 #pragma GCC unroll 1
   for (int c = 0; c < 3; ++c)
     derivatives(n[c], x[c]);
-  for (int i = 0; i < 8; ++i)
-  {
-    const Vector p = gather(a.u, nodes + i * W);
-    n[0][i] = p.c[0];
-    n[1][i] = p.c[1];
-    n[2][i] = p.c[2];
-  }
+  gather_components(a.u, nodes, n);
 #pragma GCC unroll 1
   for (int c = 0; c < 3; ++c)
   {

@@ -162,27 +162,28 @@ IMPACT_AVX512 void scatter8(double* __restrict A, const std::int32_t* __restrict
   }
 }
 /// The next batch is gathered before the present one is computed, into the other half of the buffers: its loads are on
-/// their way meanwhile.
-template <int BS, int S>
-IMPACT_AVX2 void sweep4(const Sweep& sweep)
+/// their way meanwhile. The functions that are passed are compiled for a processor; this one becomes a part of its
+/// caller, which is compiled for the same.
+template <int W, auto gather_positions, auto gather_values, auto scatter>
+__attribute__((always_inline)) inline void sweep_batches(const Sweep& sweep)
 {
   const Sweep s = sweep; // a copy: stores to A could change what is read by reference
   const std::int32_t* nodes = s.nodes;
   const std::int32_t* places = s.position_nodes;
   double *w = s.w[0], *x = s.x[0], *next_w = s.w[1], *next_x = s.x[1];
-  gather4<3, 4>(s.positions, places, s.num_position_nodes, x);
-  gather4<BS, S>(s.values, nodes, s.num_nodes, w);
+  gather_positions(s.positions, places, s.num_position_nodes, x);
+  gather_values(s.values, nodes, s.num_nodes, w);
   for (std::size_t k = 0; k < s.num_batches; ++k)
   {
-    const std::int32_t* next = nodes + 4 * s.num_nodes;
+    const std::int32_t* next = nodes + W * s.num_nodes;
     if (k + 1 < s.num_batches)
     {
       places += s.positions_per_batch;
-      gather4<3, 4>(s.positions, places, s.num_position_nodes, next_x);
-      gather4<BS, S>(s.values, next, s.num_nodes, next_w);
+      gather_positions(s.positions, places, s.num_position_nodes, next_x);
+      gather_values(s.values, next, s.num_nodes, next_w);
     }
     s.tabulate(s.A, w, s.constants, x, 0);
-    scatter4<BS, S>(s.A, nodes, s.num_nodes, s.b);
+    scatter(s.A, nodes, s.num_nodes, s.b);
     nodes = next;
     std::swap(w, next_w);
     std::swap(x, next_x);
@@ -190,30 +191,15 @@ IMPACT_AVX2 void sweep4(const Sweep& sweep)
 }
 
 template <int BS, int S>
-IMPACT_AVX512 void sweep8(const Sweep& sweep)
+IMPACT_AVX2 void sweep4(const Sweep& sweep)
 {
-  const Sweep s = sweep;
-  const std::int32_t* nodes = s.nodes;
-  const std::int32_t* places = s.position_nodes;
-  double *w = s.w[0], *x = s.x[0], *next_w = s.w[1], *next_x = s.x[1];
-  gather8<3, 4>(s.positions, places, s.num_position_nodes, x);
-  gather8<BS, S>(s.values, nodes, s.num_nodes, w);
-  for (std::size_t k = 0; k < s.num_batches; ++k)
-  {
-    const std::int32_t* next = nodes + 8 * s.num_nodes;
-    if (k + 1 < s.num_batches)
-    {
-      places += s.positions_per_batch;
-      gather8<3, 4>(s.positions, places, s.num_position_nodes, next_x);
-      gather8<BS, S>(s.values, next, s.num_nodes, next_w);
-    }
-    s.tabulate(s.A, w, s.constants, x, 0);
-    scatter8<BS, S>(s.A, nodes, s.num_nodes, s.b);
-    nodes = next;
-    std::swap(w, next_w);
-    std::swap(x, next_x);
-  }
+  sweep_batches<4, gather4<3, 4>, gather4<BS, S>, scatter4<BS, S>>(sweep);
 }
 
+template <int BS, int S>
+IMPACT_AVX512 void sweep8(const Sweep& sweep)
+{
+  sweep_batches<8, gather8<3, 4>, gather8<BS, S>, scatter8<BS, S>>(sweep);
+}
 } // namespace dolfinx_impact::operators::x86
 #endif

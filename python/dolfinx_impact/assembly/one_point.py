@@ -9,7 +9,7 @@ from dolfinx.fem import Function
 
 from .. import compat
 from ..forms.one_point import CELLS
-from ..materials import NOT_AXISYMMETRIC, Material
+from ..materials import NOT_AXISYMMETRIC, REDUCED, Material
 
 
 def check_integration(u: Function, material: Material) -> None:
@@ -23,7 +23,7 @@ def check_integration(u: Function, material: Material) -> None:
         ValueError: other cells than quadrilaterals and hexahedra, a displacement or geometry of another degree than 1,
             or axisymmetric bodies.
     """
-    if material.integration != "reduced":
+    if material.integration != REDUCED:
         return
     V, mesh = u.function_space, u.function_space.mesh
     cell, element = mesh.topology.cell_name(), V.element.basix_element

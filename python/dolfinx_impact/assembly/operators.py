@@ -27,7 +27,7 @@ from ..forms import elasticity, quadrature
 from ..forms.consistent_tangent import DIRECTION
 from ..forms.materials import Law
 from ..inelastic import InelasticMaterial
-from ..materials import Material, _Material
+from ..materials import REDUCED, Material, _Material
 from ..forms.compiler import frontend
 from .jit import Compiled, Laws, compile_expression, compile_form, find_form
 from .point_values import PointHistory
@@ -768,7 +768,7 @@ def cells_measure(u: Function, material: Material) -> tuple[ufl.Measure, int]:
     mesh = V.mesh
     cell, p, g = mesh.topology.cell_name(), V.element.basix_element.degree, compat.coordinate_element(mesh).degree
     check_integration(u, material)
-    reduced = material.integration == "reduced"
+    reduced = material.integration == REDUCED
     degree = (
         quadrature.one_point_degree()
         if reduced

@@ -10,7 +10,7 @@ from dolfinx.fem import Function
 from ..assembly import operators
 from ..common.described import Described
 from ..forms import one_point
-from ..materials import MaterialMap, _Material
+from ..materials import REDUCED, MaterialMap, _Material
 
 WARN = 0.05  # part of the internal energy that is warned of: a usual limit for hourglass energy
 EVERY = 500  # steps between two looks at the energy: a look costs about a step
@@ -30,7 +30,7 @@ class HourglassEnergy(Described):
 
     def __init__(self, u: Function, material: _Material | MaterialMap | None) -> None:
         self._u, self._comm = u, u.function_space.mesh.comm
-        self._material = material if material is not None and material.integration == "reduced" else None
+        self._material = material if material is not None and material.integration == REDUCED else None
         self._energy: operators.Energy | None = None
         self.begin_anew()
 

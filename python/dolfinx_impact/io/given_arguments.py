@@ -33,7 +33,7 @@ from .. import _cpp, compat
 from ..assembly.fields import is_mixed
 from ..common.types import FloatArray, IntArray
 from ..forms.compiler.frontend import form_signature
-from ..materials import Material
+from ..materials import FULL, Material
 
 LONG = 2000  # characters; the rest of a longer text is replaced by a checksum
 SUMS = "sums of "  # beginning of the names of arrays
@@ -124,7 +124,7 @@ class GivenArguments:
         tags = material.cell_tags
         parts = material.parts()
         # Checkpoints that are older than `integration` are of full integration: it is not named.
-        kinds = [type(m).__name__ + ("" if m.integration == "full" else f" ({m.integration})") for _, m in parts]
+        kinds = [type(m).__name__ + ("" if m.integration == FULL else f" ({m.integration})") for _, m in parts]
         self.table[name] = ", ".join(k if tag is None else f"{tag}: {k}" for k, (tag, _) in zip(kinds, parts))
         for tag, m in parts:
             of = name if tag is None else f"{name}[{tag}]"

@@ -13,6 +13,7 @@ from ..contact.general import GeneralContact
 from ..contact.mortar.lagrange import Lagrange
 from ..contact.mortar.tie import Tie
 from ..inelastic import InelasticMaterial
+from ..materials import AVERAGED_PRESSURE, REDUCED
 from ..plasticity import J2Plasticity
 from .motions import Spin, Translation
 
@@ -45,12 +46,17 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
         motion.check(mesh)
     if material.hypothesis_on(mesh) == "axisymmetric":
         raise ValueError("hypothesis 'axisymmetric': a body that spins about z is not axisymmetric in the (r, z) plane")
-    if material.integration == "reduced":
+    if material.integration == REDUCED:
         raise ValueError(
             "integration='reduced' is not for rolling problems: the inertia of the flow through the mesh knows nothing "
             "of hourglass modes, and would drive them. Take integration='full'"
         )
     for tag, m in material.parts():
+        if m.integration == AVERAGED_PRESSURE:
+            raise ValueError(
+                "integration='averaged_pressure' is not for rolling problems: nobody has compared it with other cells "
+                "there. Take integration='full', on hexahedra or cells of degree 2"
+            )
         m.mass_density(mesh)
         if isinstance(m, InelasticMaterial):
             _check_flowing(m, cell_tags, motions, None if tag is None else material.cell_tags.find(tag))
