@@ -43,9 +43,9 @@ verify: ## generated kernels against the hand-written solver, then the slow stud
 matrix: ## every form of the catalogue: our kernels against FFCx's own C kernels (a long run)
 	$(RUN) $(PYTEST) -m matrix $(ARGS)
 
-bench: ## the benchmarks; writes results/bench.json and appends the ratios to docs/bench_history.csv
+bench: ## the benchmarks (ARGS=--large: larger models, too): results/bench.json, ratios appended to docs/bench_history.csv
 	mkdir -p results
-	$(RUN) dolfinx-impact bench --large --json results/bench.json --history docs/bench_history.csv --commit "$(COMMIT)"
+	$(RUN) dolfinx-impact bench $(ARGS) --json results/bench.json --history docs/bench_history.csv --commit "$(COMMIT)"
 
 docs: ## the documentation site, in build/site; works without a network
 	$(RUN) make docs-here

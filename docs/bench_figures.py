@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Figure and table of docs/bench_history.md: `python3 docs/bench_figures.py [FOLDER]`, default docs/figures.
+"""Figures and table of docs/bench_history.md and docs/performance.md: `python3 docs/bench_figures.py [FOLDER]`.
 
-Reads docs/bench_history.csv, which `make bench` appends to, and writes bench_history.png, ratios over runs, and
-bench_history.txt, a table per processor.
+FOLDER is docs/figures unless given. Reads docs/bench_history.csv, which `make bench` appends to, and writes
+bench_history.png, ratios over runs, and bench_history.txt, a table per processor. Where results/bench.json of a run is
+there, writes roofline.png, too.
 """
 
+import json
 import sys
 from pathlib import Path
 
@@ -18,6 +20,10 @@ import matplotlib.pyplot as plt  # noqa: E402
 from demo_figures import shrink  # noqa: E402
 
 from impact_studies.bench import ratio_history  # noqa: E402
+from impact_studies.bench.roofline import KernelTime  # noqa: E402
+from impact_studies.bench.rows import BANDWIDTH, PEAK  # noqa: E402
+
+CELLS = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
 
 
 def by_processor(lines):
@@ -67,6 +73,48 @@ def figure(lines):
     return plot
 
 
+def applied_forces(rows):
+    """Operations per byte and GFLOP/s of forces of whole meshes, by cell and degree, from a run's rows."""
+    rate, traffic = (
+        {
+            (r["cell"], r["name"].removesuffix(f": {what}")): r["value"]
+            for r in rows
+            if r["name"].endswith(f" force: {what}")
+        }
+        for what in (PEAK, BANDWIDTH)
+    )
+    return [(cell, rate[cell, name] / traffic[cell, name], rate[cell, name]) for cell, name in rate]
+
+
+def roofline(run):
+    """Kernels alone, a point each, and forces of whole meshes, under the limits of processor, cache and memory."""
+    about, times = run["machine"], [KernelTime(**k) for k in run["kernels"]]
+    plot, ax = plt.subplots(figsize=(9, 5), layout="constrained")
+    forces = applied_forces(run["rows"])
+    intensities = [t.intensity for t in times] + [x for _, x, _ in forces]
+    peak, ends = about["peak_GFLOP_per_s"], (0.5 * min(intensities), 2.0 * max(intensities))
+    for name, bandwidth, style in (
+        ("first-level cache", run["cache_GB_per_s"], "-"),
+        ("memory", about["triad_GB_per_s"], "--"),
+    ):
+        knee = peak / bandwidth
+        x = sorted({*ends, min(max(knee, ends[0]), ends[1])})
+        label = f"{name}, {bandwidth:.0f} GB/s; one core, {peak:.0f} GFLOP/s"
+        ax.plot(x, [min(peak, bandwidth * i) for i in x], f"k{style}", linewidth=1, label=label)
+    for cell, colour in zip(CELLS, plt.rcParams["axes.prop_cycle"].by_key()["color"]):
+        own = [t for t in times if t.cell.startswith(cell)]
+        points = {"color": colour, "linestyle": "none"}
+        ax.plot([t.intensity for t in own], [t.rate * 1e-9 for t in own], marker=".", label=f"{cell}, a kernel", **points)
+        whole = [(x, y) for c, x, y in forces if c.startswith(cell)]
+        ax.plot([x for x, _ in whole], [y for _, y in whole], marker="D", markerfacecolor="none",
+                label=f"{cell}, the force of a mesh", **points)  # fmt: skip
+    ax.set(xscale="log", yscale="log", xlabel="operations per byte of arguments, or of memory [1/B]", ylabel="GFLOP/s",
+           title=f"{about['processor']}, vectors of {about['vector_width']}")  # fmt: skip
+    ax.grid(alpha=0.3, which="both")
+    ax.legend(fontsize=7, loc="lower right")
+    return plot
+
+
 def main(folder=HERE / "figures"):
     lines = ratio_history.read(HERE / "bench_history.csv")
     target = Path(folder)
@@ -74,6 +122,11 @@ def main(folder=HERE / "figures"):
     path = target / "bench_history.png"
     figure(lines).savefig(path, dpi=110)
     shrink(path, path)
+    run = HERE.parent / "results" / "bench.json"
+    if run.exists():
+        path = target / "roofline.png"
+        roofline(json.loads(run.read_text())).savefig(path, dpi=110)
+        shrink(path, path)
 
 
 if __name__ == "__main__":

@@ -35,7 +35,8 @@ private:
 
 void dolfinx_impact::bindings::bench(nb::module_& m)
 {
-  m.def("triad_bandwidth", &common::triad_bandwidth, "Memory bandwidth of one core [B/s]");
+  m.def("triad_bandwidth", &common::triad_bandwidth, nb::arg("n") = std::size_t(1) << 24,
+        "Bandwidth of one core [B/s], of the memory; of the cache that three arrays of n numbers fit in");
   m.def(
       "peak_flops", &common::peak_flops, nb::arg("lanes") = 0,
       "Double-precision operations of one core [1/s], in vectors of 2, 4 or 8 numbers (0: the best of this processor; "

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "dolfinx_impact/kernels/KernelTable.h"
 #include "dolfinx_impact/kernels/check.h"
+#include "dolfinx_impact/kernels/timing.h"
 #include "module.h"
 #include <stdexcept>
 
@@ -189,6 +190,15 @@ void dolfinx_impact::bindings::kernels(nb::module_& m)
           nb::arg("A").noconvert(), nb::arg("w"), nb::arg("c"), nb::arg("x"), nb::arg("num_cells"),
           "Element tensors of many cells, one after another in each array, added to A; layout of a cell in "
           "kernels/Kernel.h")
+      .def(
+          "seconds_per_cell",
+          [](const Kernel& s, const std::vector<int>& widths) { return seconds_per_cell(*s.k, widths); },
+          nb::arg("widths"), "Time per cell of each of some widths, arrays in the cache (kernels/timing.h) [s]")
+      .def_prop_ro(
+          "width", [](const Kernel& s) { return width(*s.k); }, "Cells per call that operators take by default")
+      .def_prop_ro(
+          "num_nodes", [](const Kernel& s) { return reference_nodes(*s.k).size() / 3; },
+          "Nodes of the cell, of both cells at a facet between two")
       .def(
           "check_mesh", [](const Kernel& s, const dolfinx::mesh::Mesh<double>& mesh) { check_mesh(*s.k, mesh); },
           nb::arg("mesh"), "Raise RuntimeError unless the kernel was compiled for this kind of mesh")

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <cstddef>
 
 /// What this processor can do, measured: the scale that benchmarks are shown against.
 namespace dolfinx_impact::common
 {
-/// Memory bandwidth of one core, bytes per second: best of several runs of a[i] = b[i] + s c[i] on arrays far larger
-/// than the caches; three arrays counted (McCalpin's STREAM triad).
-double triad_bandwidth();
+/// Bandwidth of one core, bytes per second: best of several runs of a[i] = b[i] + s c[i]; three arrays counted
+/// (McCalpin's STREAM triad). By default of the memory: the arrays are far larger than the caches.
+/// @param[in] n entries of each array; 1,024 stay in the first-level cache
+/// @throws std::invalid_argument for none
+double triad_bandwidth(std::size_t n = std::size_t(1) << 24);
 
 /// Double-precision operations per second of one core, in processor time: independent multiply-adds, fused where the
 /// processor does that; a multiply-add counts as two.

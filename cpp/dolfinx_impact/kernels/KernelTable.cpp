@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "KernelTable.h"
+#include "timing.h"
 #include <cstddef>
 #include <cstdlib>
 #include <dlfcn.h>
@@ -43,13 +44,14 @@ int slot(int width)
   return width == 8 ? 2 : width == 4 ? 1 : 0;
 }
 
-int default_width()
+/// Width that the environment asks for; 0: none.
+int environment_width()
 {
   static const int value = []
   {
     const char* text = std::getenv("IMPACT_SIMD_WIDTH");
     if (!text || !*text)
-      return processor_width();
+      return 0;
     const std::string w = text;
     if (w != "1" && w != "4" && w != "8")
       throw std::runtime_error("IMPACT_SIMD_WIDTH is '" + w + "': use 1, 4 or 8 cells per vector");
@@ -163,11 +165,16 @@ int processor_width()
 
 int width(const impact_kernel& kernel, int limit)
 {
-  const int wanted = limit > 0 ? limit : default_width();
+  const int wanted = limit > 0 ? limit : environment_width();
+  std::vector<int> available;
   for (int w : {8, 4})
-    if (w <= wanted && w <= processor_width() && kernel.tabulate[slot(w)])
-      return w;
-  return 1;
+    if ((wanted == 0 || w <= wanted) && w <= processor_width() && kernel.tabulate[slot(w)])
+      available.push_back(w);
+  available.push_back(1);
+  // An expression is computed at points without a cell, on which it could be measured.
+  if (wanted > 0 || available.size() == 1 || std::string(kernel.integral_type) == "expression")
+    return available.front();
+  return fastest_width(kernel, available);
 }
 
 impact_tabulate tabulate(const impact_kernel& kernel, int width)

@@ -41,9 +41,11 @@ std::vector<const impact_kernel*> find_signature(const std::string& signature);
 /// @throws std::runtime_error if it cannot be opened, a name is missing, or it was made for another version
 std::vector<const impact_kernel*> load(const std::string& path, const std::vector<std::string>& symbols);
 
-/// Cells per call on this machine: the widest the processor has and the kernel was compiled for, at most `limit`.
+/// Cells per call on this machine: the width that the kernel is fastest with, measured once in a process (timing.h); of
+/// an expression the widest that the processor has and the kernel was compiled for.
 /// @param[in] kernel
-/// @param[in] limit 0: the default of this machine (IMPACT_SIMD_WIDTH=1|4|8 in the environment overrides it)
+/// @param[in] limit 1, 4 or 8: the widest up to this one, not measured. 0: IMPACT_SIMD_WIDTH=1|4|8 of the environment
+///   is the limit, which makes runs the same to the last digit; without it the width is measured
 int width(const impact_kernel& kernel, int limit = 0);
 
 /// Widest vector of doubles of this processor that kernels are compiled for: 1, 4 or 8.

@@ -51,7 +51,8 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
   if ((k.rank == 1) != bool(test))
     throw std::invalid_argument(std::string("kernel ") + k.name + " of rank " + std::to_string(k.rank) +
                                 (k.rank ? " needs a test space" : " takes no test space"));
-  _width = kernels::width(k, width);
+  // History lies in the order of batches: who shares it takes batches of the same width.
+  _width = kernels::width(k, width == 0 && integral.history ? integral.history->width() : width);
   _tabulate = kernels::tabulate(k, _width);
   set_constants(integral.constants);
   const std::string type = k.integral_type;

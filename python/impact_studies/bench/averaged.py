@@ -61,4 +61,4 @@ def jobs(large: bool = False) -> list[Job]:
     Returns:
         A text and a function that returns rows.
     """
-    return [("explicit step, averaged pressure", partial(averaged_rows, 50 if large else 32))]
+    return [("explicit step, averaged pressure", partial(averaged_rows, 50 if large else 20))]

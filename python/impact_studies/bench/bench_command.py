@@ -11,12 +11,13 @@ import json
 import os
 import platform
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.io.hdf5 import write_whole
-from . import averaged, contact_rows, explicit, force, laws, one_point, plastic, ratio_history, rolling, statics
+from . import averaged, contact_rows, explicit, force, laws, one_point, plastic, ratio_history, rolling, roofline, statics
 from .rows import Job, impossible, measure
 
 
@@ -82,14 +83,17 @@ def main(argv: Sequence[str] | None = None) -> int:
     bandwidth, peak = _cpp.bench.triad_bandwidth(), _cpp.bench.peak_flops()
     about = machine(bandwidth, peak)
     print(", ".join(f"{k} {v:.1f}" if isinstance(v, float) else f"{k} {v}" for k, v in about.items()))
-    rows = measure(jobs(bandwidth, peak, args.large, args.ranks))
+    begin, roof = time.monotonic(), roofline.Measurement(peak)
+    rows = measure([*jobs(bandwidth, peak, args.large, args.ranks), roof.job()])
+    about["seconds"] = time.monotonic() - begin
     if args.json:
         path = Path(args.json)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, json.dumps({"rows": rows, "machine": about}, indent=1) + "\n")
+        write_whole(path, json.dumps({"rows": rows, "machine": about, **roof.record()}, indent=1) + "\n")
     complaints = impossible(rows)
     if args.history and not complaints:
         ratio_history.append(args.history, rows, about, args.commit)
+    print(f"{len(rows)} rows in {about['seconds']:.0f} s")
     for complaint in complaints:
         print(f"bench: {complaint}", file=sys.stderr)
     return 1 if complaints else 0

@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 PEAK = "share of peak flops"
+BANDWIDTH = "share of bandwidth"
 
 
 class Row(TypedDict):

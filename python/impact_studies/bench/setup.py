@@ -3,6 +3,7 @@
 
 import time
 from collections.abc import Callable
+from functools import lru_cache
 from typing import TypeAlias, Union
 
 import numpy as np
@@ -32,6 +33,7 @@ CASES = (
     ("hexahedron", 1, 50),
     ("hexahedron", 2, 20),
 )
+PLANE = ("triangle", "quadrilateral")
 FINITE = (("tetrahedron", 2, 22), ("hexahedron", 1, 50))
 
 
@@ -61,6 +63,39 @@ def best_time(function: Callable[[], object], at_least: float = 0.05, rounds: in
     return min(times), float(np.median(times))
 
 
+def space(cell: str, degree: int, n: int, comm: MPI.Intracomm) -> fem.FunctionSpace:
+    """Space of the displacement on a unit square or cube.
+
+    Args:
+        cell: cell of the mesh.
+        degree: degree of the displacement.
+        n: cells per side.
+        comm: communicator of the mesh.
+
+    Returns:
+        The space.
+    """
+    kind = getattr(mesh.CellType, cell)
+    plane = cell in PLANE
+    domain = mesh.create_unit_square(comm, n, n, kind) if plane else mesh.create_unit_cube(comm, n, n, n, kind)
+    return fem.functionspace(domain, ("Lagrange", degree, (2 if plane else 3,)))
+
+
+@lru_cache(maxsize=1)
+def cached_space(cell: str, degree: int, n: int) -> fem.FunctionSpace:
+    """The same on one process, kept until another one is asked for: measurements that follow each other share it.
+
+    Args:
+        cell: see space.
+        degree: see space.
+        n: see space.
+
+    Returns:
+        The space.
+    """
+    return space(cell, degree, n, MPI.COMM_SELF)
+
+
 class Setup:
     """A unit square or cube with the form of its internal force, and the operators of both sides.
 
@@ -80,11 +115,10 @@ class Setup:
         law: MaterialClass = materials.LinearElastic,
         comm: MPI.Intracomm = MPI.COMM_SELF,
     ) -> None:
-        kind = getattr(mesh.CellType, cell)
-        plane = cell in ("triangle", "quadrilateral")
-        self.mesh = mesh.create_unit_square(comm, n, n, kind) if plane else mesh.create_unit_cube(comm, n, n, n, kind)
+        self.V = cached_space(cell, degree, n) if comm == MPI.COMM_SELF else space(cell, degree, n, comm)
+        self.mesh = self.V.mesh
+        plane = cell in PLANE
         dim = 2 if plane else 3
-        self.V = fem.functionspace(self.mesh, ("Lagrange", degree, (dim,)))
         self.u = fem.Function(self.V, name="u")
         self.u.interpolate(lambda x: 0.01 * np.array([np.sin(3 * x[i] + x[(i + 1) % dim]) for i in range(dim)]))
         material = law(1e3, 0.3, 1.0, "plane_strain" if plane else "3d")
