@@ -20,7 +20,7 @@ CELLS = 6  # in each half-axis: 33,000 unknowns
 LARGE = 17  # 284,000
 POINTS = np.linspace(0.0, 3e-3, 13)
 POINT = 1e-3
-FEW = 4  # points of a curve where time is short
+FEW_CELLS, FEW = 5, 4  # cells, and points of a curve, where time is short
 SAME = 1e-4  # of friction times load: the accuracy of the solver, which begins at other states
 
 
@@ -96,5 +96,5 @@ def jobs(large: bool) -> list[Job]:
     Returns:
         A text and a function that returns rows, for each measurement.
     """
-    cases = ((CELLS, len(POINTS)), (LARGE, FEW)) if large else ((CELLS, FEW),)
+    cases = ((FEW_CELLS, FEW), *(((CELLS, len(POINTS)), (LARGE, FEW)) if large else ()))
     return [(f"creep curve, {cells} cells", partial(rolling_rows, cells, points)) for cells, points in cases]
