@@ -104,7 +104,9 @@ def roofline(run):
     for cell, colour in zip(CELLS, plt.rcParams["axes.prop_cycle"].by_key()["color"]):
         own = [t for t in times if t.cell.startswith(cell)]
         points = {"color": colour, "linestyle": "none"}
-        ax.plot([t.intensity for t in own], [t.rate * 1e-9 for t in own], marker=".", label=f"{cell}, a kernel", **points)
+        ax.plot(
+            [t.intensity for t in own], [t.rate * 1e-9 for t in own], marker=".", label=f"{cell}, a kernel", **points
+        )
         whole = [(x, y) for c, x, y in forces if c.startswith(cell)]
         ax.plot([x for x, _ in whole], [y for _, y in whole], marker="D", markerfacecolor="none",
                 label=f"{cell}, the force of a mesh", **points)  # fmt: skip

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "timing.h"
-#include "../operators/lanes.h"
 #include "KernelTable.h"
 #include <algorithm>
 #include <basix/finite-element.h>
@@ -18,20 +17,32 @@ namespace
 constexpr int num_rounds = 5;
 constexpr double round_seconds = 1e-5; ///< long against the clock's resolution, some 30 ns
 
+/// Memory as kernels take it: aligned to lines of the cache.
+struct alignas(64) Line
+{
+  double values[8];
+};
+
+/// An array of lines that begins with n values.
+std::vector<Line> lines(std::size_t n)
+{
+  return std::vector<Line>(n / 8 + 1); // of none, there is one that can be pointed to
+}
+
 /// Arrays of a kernel for one width.
 class Call
 {
 public:
   Call(const impact_kernel& kernel, const std::vector<double>& nodes, int width)
-      : _tabulate(tabulate(kernel, width)), _width(width), _A(std::size_t(kernel.size_A) * width, 0.0),
-        _w(std::size_t(kernel.size_w) * width), _x(nodes.size() * width), _c(kernel.size_c, 1.0)
+      : _tabulate(tabulate(kernel, width)), _width(width), _A(lines(std::size_t(kernel.size_A) * width)),
+        _w(lines(std::size_t(kernel.size_w) * width)), _x(lines(nodes.size() * width)), _c(kernel.size_c, 1.0)
   {
     // No zeros, and nothing the same in two lanes; small beside the cell, as displacements are.
-    for (std::size_t i = 0; i < _w.size(); ++i)
-      _w[i] = 1e-3 * (1.0 + 0.1 * double(i % 11));
+    for (std::size_t i = 0; i < std::size_t(kernel.size_w) * width; ++i)
+      entry(_w, i) = 1e-3 * (1.0 + 0.1 * double(i % 11));
     for (std::size_t i = 0; i < nodes.size(); ++i)
       for (int lane = 0; lane < width; ++lane)
-        _x[i * width + lane] = nodes[i] * (1.0 + 0.01 * lane);
+        entry(_x, i * width + lane) = nodes[i] * (1.0 + 0.01 * lane);
   }
 
   /// Time of some calls [s].
@@ -39,16 +50,18 @@ public:
   {
     const auto begin = std::chrono::steady_clock::now();
     for (int i = 0; i < calls; ++i)
-      _tabulate(_A.data(), _w.data(), _c.data(), _x.data(), 0);
+      _tabulate(&entry(_A, 0), &entry(_w, 0), _c.data(), &entry(_x, 0), 0);
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 
   int width() const { return _width; }
 
 private:
+  static double& entry(std::vector<Line>& array, std::size_t i) { return array[i / 8].values[i % 8]; }
+
   impact_tabulate _tabulate;
   int _width;
-  operators::AlignedVector _A, _w, _x;
+  std::vector<Line> _A, _w, _x;
   std::vector<double> _c;
 };
 } // namespace
@@ -56,9 +69,10 @@ private:
 std::vector<double> reference_nodes(const impact_kernel& kernel)
 {
   const auto cell = dolfinx::mesh::cell_type_to_basix_type(dolfinx::mesh::to_type(kernel.cell));
-  const auto element = basix::create_element<double>(
-      basix::element::family::P, cell, kernel.geometry_degree,
-      static_cast<basix::element::lagrange_variant>(kernel.geometry_variant), basix::element::dpc_variant::unset, false);
+  const auto element =
+      basix::create_element<double>(basix::element::family::P, cell, kernel.geometry_degree,
+                                    static_cast<basix::element::lagrange_variant>(kernel.geometry_variant),
+                                    basix::element::dpc_variant::unset, false);
   const auto& [points, shape] = element.points();
   const int sides = std::string(kernel.integral_type) == "interior_facet" ? 2 : 1;
   std::vector<double> x(3 * sides * shape[0], 0.0);

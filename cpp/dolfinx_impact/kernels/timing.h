@@ -9,8 +9,8 @@ namespace dolfinx_impact::kernels
 /// @throws std::invalid_argument for a kernel of another cell than DOLFINx's
 std::vector<double> reference_nodes(const impact_kernel& kernel);
 
-/// Time that a kernel takes per cell, its arrays in the cache: on a reference cell, with coefficients and constants that
-/// are made up. Processor time would be too coarse; the least of several rounds is what others leave untouched.
+/// Time that a kernel takes per cell, its arrays in the cache: on a reference cell, with coefficients and constants
+/// that are made up. Processor time would be too coarse; the least of several rounds is what others leave untouched.
 /// @param[in] kernel
 /// @param[in] widths cells per call, each of which the kernel and the processor have; they take turns
 /// @returns time of each width [s]

@@ -40,5 +40,7 @@ def peak_flops(lanes: int = 0) -> float:
     Double-precision operations of one core [1/s], in vectors of 2, 4 or 8 numbers (0: the best of this processor; 0.0 where it does not have such vectors)
     """
 
-def triad_bandwidth() -> float:
-    """Memory bandwidth of one core [B/s]"""
+def triad_bandwidth(n: int = 16777216) -> float:
+    """
+    Bandwidth of one core [B/s], of the memory; of the cache that three arrays of n numbers fit in
+    """

@@ -80,6 +80,19 @@ class Kernel:
         Element tensors of many cells, one after another in each array, added to A; layout of a cell in kernels/Kernel.h
         """
 
+    def seconds_per_cell(self, widths: Sequence[int]) -> list[float]:
+        """
+        Time per cell of each of some widths, arrays in the cache (kernels/timing.h) [s]
+        """
+
+    @property
+    def width(self) -> int:
+        """Cells per call that operators take by default"""
+
+    @property
+    def num_nodes(self) -> int:
+        """Nodes of the cell, of both cells at a facet between two"""
+
     def check_mesh(self, mesh: dolfinx.cpp.mesh.Mesh_float64) -> None:
         """
         Raise RuntimeError unless the kernel was compiled for this kind of mesh

@@ -17,7 +17,19 @@ from pathlib import Path
 
 from dolfinx_impact import _cpp
 from dolfinx_impact.io.hdf5 import write_whole
-from . import averaged, contact_rows, explicit, force, laws, one_point, plastic, ratio_history, rolling, roofline, statics
+from . import (
+    averaged,
+    contact_rows,
+    explicit,
+    force,
+    laws,
+    one_point,
+    plastic,
+    ratio_history,
+    rolling,
+    roofline,
+    statics,
+)
 from .rows import Job, impossible, measure
 
 

@@ -52,6 +52,15 @@ def test_rows_are_medians_of_forces():
     assert impossible(roofline.rows_of(times, 1e10)) != []  # a rate above the peak is refused
 
 
+def test_the_file_of_a_run_holds_all_kernels_of_materials():
+    measurement = roofline.Measurement(peak=1e12)
+    what, rows = measurement.job()
+    assert "kernels" in what and all(0.0 < r["ratio"] < 1.0 for r in rows())
+    found = measurement.record()
+    assert {"linear_elastic.force", "j2.small.voce.force"} < {k["name"] for k in found["kernels"]}
+    assert found["cache_GB_per_s"] > 1.0
+
+
 def test_the_picture_has_a_point_for_each_kernel():
     specification = importlib.util.spec_from_file_location("bench_figures", DOCS / "bench_figures.py")
     figures = importlib.util.module_from_spec(specification)
