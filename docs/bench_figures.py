@@ -3,7 +3,7 @@
 
 FOLDER is docs/figures unless given. Reads docs/bench_history.csv, which `make bench` appends to, and writes
 bench_history.png, ratios over runs, and bench_history.txt, a table per processor. Where results/bench.json of a run is
-there, writes roofline.png, too.
+there, writes roofline.png, too, and static_contact.png of a run with --large.
 """
 
 import json
@@ -20,6 +20,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 from demo_figures import shrink  # noqa: E402
 
 from impact_studies.bench import ratio_history  # noqa: E402
+from impact_studies.bench.contact_rows import SOLVE  # noqa: E402
 from impact_studies.bench.roofline import KernelTime  # noqa: E402
 from impact_studies.bench.rows import BANDWIDTH, PEAK  # noqa: E402
 
@@ -117,6 +118,25 @@ def roofline(run):
     return plot
 
 
+def static_sizes(rows):
+    """Unknowns of static contact in space, its time and that of the tied bodies [s], by size."""
+    found = [r for r in rows if r["name"] == SOLVE and r["cell"].startswith("hexahedron")]
+    return sorted((int(r["cell"].split()[-2]), r["value"], r["baseline"]) for r in found)
+
+
+def static_contact(rows):
+    """Time of static contact in space, and of the tied bodies, over the number of unknowns."""
+    sizes, ours, tied = zip(*static_sizes(rows))
+    plot, ax = plt.subplots(figsize=(6, 4), layout="constrained")
+    ax.plot(sizes, ours, "o-", label="contact, from first touch to Hertz's pressure")
+    ax.plot(sizes, tied, "s--", label="one linear solve of the bodies tied together")
+    ax.plot(sizes, [tied[0] * n / sizes[0] for n in sizes], "k:", linewidth=1, label="proportional to the size")
+    ax.set(xscale="log", yscale="log", xlabel="unknowns, hexahedra of degree 1", ylabel="time on one core [s]")
+    ax.grid(alpha=0.3, which="both")
+    ax.legend(fontsize=8)
+    return plot
+
+
 def main(folder=HERE / "figures"):
     lines = ratio_history.read(HERE / "bench_history.csv")
     target = Path(folder)
@@ -126,9 +146,14 @@ def main(folder=HERE / "figures"):
     shrink(path, path)
     run = HERE.parent / "results" / "bench.json"
     if run.exists():
-        path = target / "roofline.png"
-        roofline(json.loads(run.read_text())).savefig(path, dpi=110)
-        shrink(path, path)
+        found = json.loads(run.read_text())
+        pictures = {"roofline": roofline(found)}
+        if len(static_sizes(found["rows"])) > 1:
+            pictures["static_contact"] = static_contact(found["rows"])
+        for name, plot in pictures.items():
+            path = target / f"{name}.png"
+            plot.savefig(path, dpi=110)
+            shrink(path, path)
 
 
 if __name__ == "__main__":

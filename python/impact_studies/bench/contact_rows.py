@@ -5,6 +5,7 @@ A round body is pressed on a flat one without friction, in one load step from fi
 solves run in the same process with the same linear solver and tolerance.
 """
 
+import resource
 import time
 from collections.abc import Sequence
 from functools import partial
@@ -31,7 +32,10 @@ CASES = (
 LARGE = (
     ("300k unknowns", "quadrilateral", 0.023, 0.29),
     ("300k unknowns", "hexahedron", 0.056, 12.0),
+    ("one million unknowns", "hexahedron", 0.0345, 12.0),
 )
+SOLVE = "static contact solve / tied linear solve"
+MEMORY = 24.0  # of a machine that one million unknowns shall fit in [GB]
 
 
 class PressedBodies:
@@ -139,18 +143,28 @@ def contact_rows(cases: Sequence[tuple[str, str, float, float]] = CASES) -> list
         report = model.problem.solve(rtol=RTOL)
         seconds = time.perf_counter() - start
         label = f"{cell} P1, {model.num_unknowns} unknowns"
-        rows.append(row("static contact solve / tied linear solve", label, 1, seconds, "s", tied))
+        rows.append(row(SOLVE, label, 1, seconds, "s", tied))
         rows.append(row("  of which contact", label, 1, report.seconds["contact"], "s", seconds))
         rows.append(row("  Newton iterations, nodes in contact", label, 1, sum(report.iterations), "",
                         report.active_set_sizes[-1][-1]))  # fmt: skip
+        rows.append(row("  most memory of the process so far", label, 1, most_memory() * 1e-9, "GB", MEMORY))
     return rows
+
+
+def most_memory() -> float:
+    """Largest size of this process in memory since it began.
+
+    Returns:
+        Resident set [B].
+    """
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0
 
 
 def jobs(large: bool) -> list[Job]:
     """Measurements of static contact.
 
     Args:
-        large: include problems of 300,000 unknowns.
+        large: include problems of 300,000 and one million unknowns.
 
     Returns:
         A text and a function that returns rows, for each measurement.

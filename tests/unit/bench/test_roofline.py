@@ -9,6 +9,7 @@ import pytest
 
 from dolfinx_impact import _cpp
 from impact_studies.bench import roofline
+from impact_studies.bench.contact_rows import SOLVE
 from impact_studies.bench.roofline import KernelTime
 from impact_studies.bench.rows import BANDWIDTH, PEAK, impossible, row
 
@@ -61,10 +62,14 @@ def test_the_file_of_a_run_holds_all_kernels_of_materials():
     assert found["cache_GB_per_s"] > 1.0
 
 
-def test_the_picture_has_a_point_for_each_kernel():
+def bench_figures():
     specification = importlib.util.spec_from_file_location("bench_figures", DOCS / "bench_figures.py")
     figures = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(figures)
+    return figures
+
+
+def test_the_picture_has_a_point_for_each_kernel():
     forces = [
         row(f"linear_elastic force: {PEAK}", "hexahedron P1", 1, 10.0, "GFLOP/s", 50.0),
         row(f"linear_elastic force: {BANDWIDTH}", "hexahedron P1", 1, 2.0, "GB/s", 14.0),
@@ -73,7 +78,7 @@ def test_the_picture_has_a_point_for_each_kernel():
     machine = {"processor": "a processor", "vector_width": 4, "peak_GFLOP_per_s": 50.0, "triad_GB_per_s": 14.0}
     kernels = [dataclasses.asdict(made_up(seconds=s)) for s in (2e-8, 4e-8)]
     run = {"rows": forces, "machine": machine, "cache_GB_per_s": 200.0, "kernels": kernels}
-    (ax,) = figures.roofline(run).axes
+    (ax,) = bench_figures().roofline(run).axes
     lines = {line.get_label(): line for line in ax.get_lines()}
     assert list(lines["hexahedron, a kernel"].get_xdata()) == [2.0, 2.0]
     assert list(lines["hexahedron, a kernel"].get_ydata()) == pytest.approx([40.0, 20.0])
@@ -86,3 +91,15 @@ def test_a_cache_is_faster_than_memory():
     assert _cpp.bench.triad_bandwidth(roofline.IN_CACHE) > 1.2 * _cpp.bench.triad_bandwidth(1 << 22)
     with pytest.raises(ValueError, match="need entries"):
         _cpp.bench.triad_bandwidth(0)
+
+
+def test_the_picture_of_static_contact_is_over_the_unknowns():
+    rows = [
+        row(SOLVE, "hexahedron P1, 300000 unknowns", 1, 90.0, "s", 30.0),
+        row(SOLVE, "quadrilateral P1, 30000 unknowns", 1, 5.0, "s", 1.0),
+        row(SOLVE, "hexahedron P1, 30000 unknowns", 1, 8.0, "s", 3.0),
+    ]
+    (ax,) = bench_figures().static_contact(rows).axes
+    contact, tied, proportional = (line.get_xydata().tolist() for line in ax.get_lines())
+    assert contact == [[30000, 8.0], [300000, 90.0]] and tied == [[30000, 3.0], [300000, 30.0]]
+    assert proportional == [[30000, 3.0], [300000, 30.0]]
