@@ -35,6 +35,7 @@ double SafeStep::compute()
 void SafeStep::find()
 {
   const double before = _value;
+  ++_num_found;
   if (!_watch)
     _value = compute();
   else if (changes.stale || _periodic) // frequencies of all cells may be others
