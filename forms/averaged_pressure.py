@@ -218,4 +218,4 @@ class AveragedKinematics(Kinematics):
                 stress = (parts.rest + (own.mean + change) * ufl.Identity(3)) * parts.inverse.T
             else:
                 stress = own.stress + change * ufl.inv(F).T
-        return Update(stress, own.outputs, stored, own.residual, own.start, own.scale)
+        return Update(stress, own.outputs, stored, own.residual, own.start, own.scale, start_error=own.start_error)

@@ -151,11 +151,33 @@ def first_increment(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> 
         hardening: LinearHardening, VoceHardening or TableHardening.
         alpha: equivalent plastic strain at the beginning of the step [1].
     """
+    x, a, b, small = _series(excess, stiffness, hardening, alpha)
+    return x if small is None else x * ufl.conditional(small, 1 - a + 2 * a**2 - b, 1)
+
+
+def _series(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> tuple[Any, Any, Any, Any]:
+    """First term of the series, the second and third relative to it, and whether these are small: None of hardening
+    that is no Voce's, of which the first is taken."""
     slope = stiffness + hardening.slope(alpha)
     x = excess / slope
     if not isinstance(hardening, VoceHardening):
-        return x
+        return x, None, None, None
     second, third = hardening.curvatures(alpha)
     a, b = second / (2 * slope) * x, third / (6 * slope) * x**2
-    small = ufl.And(ufl.lt(abs(a), SMALL_TERM), ufl.lt(abs(b), SMALL_TERM))
-    return x * ufl.conditional(small, 1 - a + 2 * a**2 - b, 1)
+    return x, a, b, ufl.And(ufl.lt(abs(a), SMALL_TERM), ufl.lt(abs(b), SMALL_TERM))
+
+
+def first_increment_error(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> Any:
+    """Twice the fourth term of the series of `first_increment`, which bounds the rest where it is as small as
+    round-off; 1 where terms are not small, as an increment of a plastic strain [1].
+
+    Args:
+        excess: as of first_increment, positive.
+        stiffness: likewise.
+        hardening: VoceHardening.
+        alpha: likewise.
+    """
+    x, a, b, small = _series(excess, stiffness, hardening, alpha)
+    # a, b and c are the second to fourth derivatives' shares: x (1 - a + 2 a^2 - b - 5 a^3 + 5 a b - c + ...).
+    c = hardening.rate / 4 * b * x
+    return ufl.conditional(small, 2 * x * (5 * abs(a) * (a**2 + abs(b)) + abs(c)), 1)

@@ -27,6 +27,7 @@ import ufl
 from . import elasticity
 from .materials import Law, gradient, weight
 from .point_law import PointLaw
+from .reference_derivatives import reference_derivatives
 
 UNKNOWN = "local_unknown"  # output of the kernels: solution of the local equations
 ELASTIC_ENERGY = "elastic"  # sum of the kernels; cpp/dolfinx_impact/integrators reads it by this name
@@ -58,6 +59,7 @@ class Update:
         residual: residual of the local equations, of the shape of the unknown; None without unknowns.
         start: where Newton's method begins, of the shape of the unknown; None without unknowns.
         scale: size of the terms of the residual.
+        start_error: bound of the distance of `start` from the solution, or None (forms/point_law.py: PointLaw).
         mean: mean stress tr(stress)/3 of small strain, where the law has it in terms of `trace` of the strain alone; in
             finite strain that of the Kirchhoff stress in terms of the dilatation of `gradient_and_dilatation`. It makes
             kernels of averaged cells cheaper, and no result different; None: it is taken from `stress`.
@@ -78,6 +80,7 @@ class Update:
     piola: Any = None
     strain: Any = None
     kirchhoff: Kirchhoff | None = None
+    start_error: Any = None
 
 
 def trace(strain: Any) -> Any:
@@ -102,14 +105,34 @@ def gradient_and_dilatation(strain: Any) -> tuple[Any, Any]:
     Of an averaged strain, (theta/J)^(1/3) F, they are F itself and theta, without the root. What does not depend on a
     change of volume, as det(F)^(-1/3) F, is the same of both.
     """
+    return _factors(strain)[:2]
+
+
+def gradient_determinant(strain: Any) -> Any:
+    """Determinant of the first of `gradient_and_dilatation`."""
+    return _factors(strain)[2]
+
+
+def _factors(strain: Any) -> tuple[Any, Any, Any]:
+    """What `gradient_and_dilatation` and `gradient_determinant` find."""
     if isinstance(strain, ufl.classes.ComponentTensor) and isinstance(strain.ufl_operands[0], ufl.classes.Product):
         entry, root = sorted(strain.ufl_operands[0].ufl_operands, key=lambda o: isinstance(o, ufl.classes.Power))
         F = _tensor_of(entry, strain.ufl_operands[1])
         if isinstance(root, ufl.classes.Power) and F is not None:
             ratio = root.ufl_operands[0]
             if isinstance(ratio, ufl.classes.Division):
-                return F, ratio.ufl_operands[0]
-    return strain, ufl.det(strain)
+                return (F, *ratio.ufl_operands)
+    return strain, ufl.det(strain), ufl.det(strain)
+
+
+def cofactor(F: Any) -> Any:
+    """Cofactors of a 3 x 3 tensor, det(F) F^-T."""
+
+    def minor(i: int, j: int) -> Any:
+        a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
+        return F[a, c] * F[b, d] - F[a, d] * F[b, c]
+
+    return ufl.as_tensor([[minor(i, j) for j in range(3)] for i in range(3)])
 
 
 def _tensor_of(entry: Any, index: Any) -> Any:
@@ -290,6 +313,68 @@ class Kinematics:
         return (theta / ufl.det(F)) ** (1 / 3) * theta_v / (3 * theta) * F
 
 
+class DeformedCell(Kinematics):
+    """Averaged cells in space, by the derivatives of positions with respect to the reference coordinates.
+
+    With j = d(x + u)/dxi and X = dx/dxi, F = j X^-1. A law that depends on det(F)^(-1/3) F and the mean dilatation gets
+    j cof(X)^T, which is det(X) F, in the place of F, and its virtual work is that of the Kirchhoff stress with
+    gradients by the deformed position, grad v = dv/dxi cof(j)^T/det(j): half of the products that F, F^-T and gradients
+    by the position need, and no division by det(X). Results are the same but for round-off. UFL does not differentiate
+    it by the displacement: consistent tangents are made of Kinematics.
+
+    Args:
+        mesh: UFL mesh.
+    """
+
+    def __init__(self, mesh: Any) -> None:
+        super().__init__("3d", True, True)
+        self.X, self.volume = ufl.Jacobian(mesh), ufl.JacobianDeterminant(mesh)
+
+    @staticmethod
+    def serves(response: PointResponse, kinematics: Kinematics) -> bool:
+        """May it stand for the kinematics of a law? Attribute `scale_free` of a law says what it depends on."""
+        plain = type(kinematics) is Kinematics and kinematics.hypothesis == "3d" and kinematics.finite_strain
+        return plain and kinematics.average and not kinematics.linear and getattr(response, "scale_free", False)
+
+    def _deformed(self, u: Any) -> tuple[Any, Any, Any]:
+        """j, its cofactors and its determinant."""
+        j = self.X + reference_derivatives(u, 1)
+        cofactors = cofactor(j)
+        return j, cofactors, sum(j[0, k] * cofactors[0, k] for k in range(3))
+
+    def dilatation(self, u: Any) -> Any:
+        return self._deformed(u)[2] / self.volume
+
+    def strain(self, u: Any, theta: Any = None) -> Any:
+        j, _, determinant = self._deformed(u)
+        G = j * cofactor(self.X).T
+        return (self.projection(u) / (determinant * self.volume**2)) ** (1 / 3) * G
+
+    def takes(self, update: Update, u: Any) -> bool:
+        """Has an update the mean stress and the Kirchhoff stress that `work` is made of?"""
+        parts = update.kirchhoff
+        known = update.mean is not None and parts is not None and parts.piola is update.piola
+        return known and same_in_cell(update.mean / self.projection(u))
+
+    def work(self, u: Any, v: Any, update: Update) -> Any:
+        """Virtual work per volume of a law whose update it `takes`.
+
+        Args:
+            u: displacement [L].
+            v: test function.
+            update: what the law computes.
+        """
+        assert update.kirchhoff is not None
+        _, cofactors, determinant = self._deformed(u)
+        # 1/det(j) by the root that the law has, and 1/|det X| as a factor of all, which the measure cancels.
+        root = (determinant * self.volume**2) ** (-1 / 3)
+        size = abs(self.volume)
+        side = ufl.conditional(ufl.gt(self.volume, 0), 1, -1)
+        mean = side * update.mean / self.projection(u)
+        stress = root**3 * self.volume**2 * size * update.kirchhoff.rest + mean * ufl.Identity(3)
+        return ufl.inner(stress * cofactors, reference_derivatives(v, 1)) / size
+
+
 def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: Any) -> Any:
     """Internal virtual work, integral of stress : virtual strain."""
     mesh = ufl.domain.extract_unique_domain(u)
@@ -369,8 +454,13 @@ def force_and_law(
         with_stress: whether the Cauchy stress is an output, "stress".
     """
     mesh = ufl.domain.extract_unique_domain(u)
-    strain = kinematics.strain(u)
     update = kinematics.respond(response, u, symbols)
+    if DeformedCell.serves(response, kinematics):
+        cell = DeformedCell(mesh)
+        faster = cell.respond(response, u, symbols)
+        if cell.takes(faster, u):
+            kinematics, update = cell, faster
+    strain = kinematics.strain(u)
     outputs = {name: ufl.as_ufl(update.outputs[name]) for name in symbols.history}
     if symbols.unknown is not None:
         outputs[UNKNOWN] = symbols.unknown
@@ -387,8 +477,11 @@ def force_and_law(
         residual=update.residual,
         start=update.start,
         scale=update.scale,
+        start_error=update.start_error,
         sums={ELASTIC_ENERGY: update.stored * weight(mesh, kinematics.hypothesis)},
     )
+    if isinstance(kinematics, DeformedCell):
+        return kinematics.work(u, v, update) * dx, law
     return internal_force(u, v, kinematics, update, dx), law
 
 

@@ -29,14 +29,15 @@ from typing import Any
 
 import ufl
 
-from .hardening import KinematicHardening, first_increment
-from .inelastic import Kirchhoff, Update, deviator, gradient_and_dilatation, trace
+from .hardening import KinematicHardening, VoceHardening, first_increment, first_increment_error
+from .inelastic import Kirchhoff, Update, cofactor, deviator, gradient_and_dilatation, gradient_determinant, trace
 from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
 PLASTIC_TENSOR = "plastic_strain_tensor"  # deviatoric tensor; in finite strain the inverse of C_p minus I [1]
 BACK_STRESS = "back_stress"  # deviatoric tensor; in finite strain R^T beta R with the rotation R of F [F/L^2]
 THICKNESS_STRAIN = "thickness_strain"  # plane stress of finite strain: logarithm of the stretch across the plane [1]
+SMALL_DEVIATOR = 1e-3  # half of its square, of an elastic strain whose series is exact to round-off [1]
 ROUND_OFF = 1e-14  # of the trial stress against the yield stress: keeps the direction of a zero stress finite
 
 
@@ -72,26 +73,22 @@ def unimodular_mean(d: Any) -> Any:
     """The number x for which det(d + x I) = 1, for a small deviatoric 3 x 3 tensor d: plastic flow keeps the volume.
 
     x^3 - (d:d / 2) x + det d = 1 by Cardano's formula. It has one root while d is an elastic strain: a stretch of 1.7
-    along an axis is the first with three.
+    along an axis is the first with three. Near 1, as of metals, by the series of the inverse function: with x = 1 + z,
+    (3 - d:d / 2) z + 3 z^2 + z^3 = d:d / 2 - det d. Its fifth term is 3e-17 at most there.
     """
-    half, third = ufl.inner(d, d) / 2, 1 - ufl.det(d)
+    half, determinant = ufl.inner(d, d) / 2, ufl.det(d)
+    third = 1 - determinant
     root = ((third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2) ** (-1 / 3)
-    return (third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2 * root**2 + half / 3 * root
+    cardano = (third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2 * root**2 + half / 3 * root
+    c = 1 / (3 - half)
+    y, b = c * (half - determinant), 3 * c
+    near = 1 + y * (1 - y * (b - y * (2 * b**2 - c - y * (5 * b * (b**2 - c)))))
+    return ufl.conditional(ufl.gt(half, SMALL_DEVIATOR), cardano, near)
 
 
 def symmetric(t: Any) -> Any:
     """A 3 x 3 tensor that is known to be symmetric, of its upper triangle, so that kernels compute no entry twice."""
     return ufl.as_tensor([[t[min(i, j), max(i, j)] for j in range(3)] for i in range(3)])
-
-
-def cofactor(F: Any) -> Any:
-    """Cofactors of a 3 x 3 tensor, det(F) F^-T."""
-
-    def minor(i: int, j: int) -> Any:
-        a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-        return F[a, c] * F[b, d] - F[a, d] * F[b, c]
-
-    return ufl.as_tensor([[minor(i, j) for j in range(3)] for i in range(3)])
 
 
 # --- polar decomposition F = R U of a deformation gradient with det F = 1 ---------------------------------------------
@@ -209,6 +206,8 @@ class J2:
         self._turns = finite_strain and kinematic is not None and gdim == 3
         vector = 2 if plane_stress else 3 if self._turns else 0
         self.unknown: tuple[int, ...] | None = (vector,) if vector else None if closed else ()
+        # In finite strain, of det(F)^(-1/3) F and the dilatation alone (forms/inelastic.py: DeformedCell).
+        self.scale_free = finite_strain and kinematic is None and not plane_stress
 
     def respond(self, strain: Any, history: dict[str, Any], unknown: Any = None) -> Update:
         return (self._finite if self.finite_strain else self._small)(strain, history, unknown)
@@ -239,6 +238,15 @@ class J2:
         others = sum(math.prod(values[:i] + values[i + 1 :]) for i in range(n))
         return self.kappa / 2 * (mean - others / math.prod(values) / n)
 
+    def _start_error(self, excess: Any, stiffness: Any, alpha: Any, yields: Any) -> Any:
+        """Error of the start of the one equation of isotropic hardening, where its series tells it, or None. A yield
+        stress that falls must be looked at: nothing of it may be left."""
+        iso = self.isotropic
+        scalar = self.kinematic is None and not self.plane_stress
+        if not scalar or not isinstance(iso, VoceHardening) or iso.falls_to_zero:
+            return None
+        return ufl.conditional(yields, first_increment_error(excess, stiffness, iso, alpha), 0)
+
     def _with_strength(self, residual: Any, alpha: Any) -> Any:
         """A residual that has no root where the yield stress has fallen to zero: kernels then report the point."""
         if not self.isotropic.falls_to_zero:
@@ -264,6 +272,7 @@ class J2:
         yields = ufl.gt(excess, 0)
         start = ufl.conditional(yields, first_increment(excess, 3 * mu + C, iso, alpha), 0)
         residual: Any = None
+        start_error = self._start_error(excess, 3 * mu + C, alpha, yields)
         if multiplier is None:
             multiplier, fading, relative = start, 1, first
         else:
@@ -275,7 +284,8 @@ class J2:
             flow = (3 * mu + C * fading) * multiplier + iso.stress(alpha + multiplier)
             excess = self._with_strength((2 * mu * size - flow) / (3 * mu), alpha + multiplier)
             residual = ufl.conditional(yields, excess, multiplier)
-        share = 1.5 * multiplier / size  # of the relative stress over 2 mu that becomes plastic strain
+        # Of the relative stress over 2 mu the share that becomes plastic strain.
+        share = ufl.conditional(yields, 1.5 * multiplier / size, 0)
         step = share * relative
         elastic = (1 - share) * trial if back is None else trial - step
         mean = self.kappa * trace(eps)
@@ -293,12 +303,13 @@ class J2:
             residual = ufl.as_vector([residual, across])
             start = ufl.as_vector([0, -self.nu / (1 - self.nu) * given])
         scale = iso.yield_stress / (3 * mu)
-        return Update(stress, outputs, stored, residual, None if residual is None else start, scale, mean)
+        start = None if residual is None else start
+        return Update(stress, outputs, stored, residual, start, scale, mean, start_error=start_error)
 
-    def _trial(self, F: Any, history: dict[str, Any], trace: Any) -> "_Trial":
-        """Trial state of finite strain, at the trace of the stretch where that is an unknown; of any multiple of F."""
+    def _trial(self, F: Any, J: Any, history: dict[str, Any], trace: Any) -> "_Trial":
+        """Trial state of finite strain, at the trace of the stretch where that is an unknown; of any multiple of F,
+        whose determinant is J."""
         inverse = ufl.Identity(3) + unpack_symmetric(history[PLASTIC_TENSOR], self.gdim)
-        J = ufl.det(F)
         # Without back stress the return is made in space. With it, in the frame that R turns: U is in the place of F.
         unimodular, square = None, None
         if self.kinematic is None:
@@ -335,15 +346,18 @@ class J2:
         if across is not None:
             # Plastic flow keeps the volume, and what elasticity changes of it is small: Newton's method begins without.
             closed = -ufl.ln(F[0, 0] * F[1, 1] - F[0, 1] * F[1, 0])
-            _, begin = self._first(self._trial(thickened(F, closed), history, None), history, back)
+            flat = thickened(F, closed)
+            _, begin = self._first(self._trial(flat, ufl.det(flat), history, None), history, back)
             F = thickened(F, across)
         # Of an averaged F all but the dilatation is that of the F that it is a multiple of.
+        determinant = gradient_determinant(F)
         F, J = gradient_and_dilatation(F)
-        at = self._trial(F, history, trace)
+        at = self._trial(F, determinant, history, trace)
         trial, stiff, turned = at.deviator, at.stiff, at.turned
         relative, start = self._first(at, history, back)
         q = equivalent(relative, ROUND_OFF * iso.yield_stress)
         yields = ufl.gt(q - iso.stress(alpha), 0)
+        start_error = self._start_error(q - iso.stress(alpha), stiff, alpha, yields)
         residual: Any = None
         fading: Any = 1
         if multiplier is None:
@@ -356,7 +370,7 @@ class J2:
             flow = (stiff + C * fading) * multiplier + iso.stress(alpha + multiplier)
             excess = self._with_strength((q - flow) / (3 * mu), alpha + multiplier)
             residual = ufl.conditional(yields, excess, multiplier)
-        share = 1 - stiff * multiplier / q
+        share = ufl.conditional(yields, 1 - stiff * multiplier / q, 1)
         s = share * trial if back is None else trial - stiff * multiplier / q * relative
         pressure = self.kappa / 2 * (J**2 - 1)
         tau = pressure * ufl.Identity(3) + s
@@ -386,7 +400,7 @@ class J2:
             new = turned * (deviator + mean * ufl.Identity(3)) * turned.T - ufl.Identity(3)
         packed = ufl.as_vector(pack_symmetric(new, self.gdim))
         outputs = {
-            PLASTIC_STRAIN: alpha + multiplier,
+            PLASTIC_STRAIN: ufl.conditional(yields, alpha + multiplier, alpha),
             PLASTIC_TENSOR: packed if back is not None else _where(yields, packed, old),
         }
         piola = tau * turned.T
@@ -404,4 +418,4 @@ class J2:
         start = None if residual is None else start
         full = None if across is None else F
         parts = Kirchhoff(piola, s, turned) if back is None else None
-        return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, parts)
+        return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, parts, start_error)

@@ -67,6 +67,9 @@ class PointLaw:
             residual's unit.
         sums: densities that are integrated over each cell and summed, by name, with the weight and |det J| of the
             form's rule; an axisymmetric density holds 2 pi r itself.
+        start_error: bound of the distance of the first iterate of a scalar unknown from the solution, in units of the
+            residual, whose derivative is about one in size; where it is below round-off of the scale, the first iterate
+            is taken and the equations are not evaluated. None: it is not known.
 
     Raises:
         TypeError: an argument is no UFL expression or coefficient.
@@ -80,6 +83,7 @@ class PointLaw:
     start: Expr | None = None
     scale: Expr | float = 1.0
     sums: Mapping[str, Expr] = field(default_factory=dict)
+    start_error: Expr | None = None
 
     def __post_init__(self) -> None:
         for name, expression in self.outputs.items():
@@ -114,7 +118,7 @@ class PointLaw:
 
     def _check_unknown(self) -> None:
         if self.unknown is None:
-            if self.residual is not None or self.start is not None:
+            if any(e is not None for e in (self.residual, self.start, self.start_error)):
                 raise ValueError("residual and start belong to an unknown: name the coefficient that stands for it")
             return
         self._check_coefficient("the unknown", self.unknown)
@@ -134,7 +138,10 @@ class PointLaw:
         scale = ufl.as_ufl(self.scale)
         if scale.ufl_shape:
             raise ValueError(f"scale must be one number, found shape {scale.ufl_shape}")
-        for what, expression in (("start", self.start), ("scale", scale)):
+        if self.start_error is not None and (self.unknown.ufl_shape or self.start_error.ufl_shape):
+            raise ValueError("the start has an error of one number where the unknown is one number")
+        error = ufl.zero() if self.start_error is None else self.start_error
+        for what, expression in (("start", self.start), ("scale", scale), ("start_error", error)):
             if self.unknown in ufl.algorithms.extract_coefficients(expression):
                 raise ValueError(f"{what} must not depend on the unknown")
 
@@ -159,12 +166,15 @@ class PointLaw:
         return components if coefficient is None else [components[i] for i in stored_components(coefficient)]
 
     def parts(self) -> dict[str, list[Expr]]:
-        """What a kernel evaluates: "start", "scale", "residual", "jacobian", "output NAME" and "sum NAME"."""
+        """What a kernel evaluates: "start", "scale", "start_error", "residual", "jacobian", "output NAME" and
+        "sum NAME"."""
         parts: dict[str, list[Expr]] = {}
         if self.unknown is not None:
             assert self.residual is not None and self.start is not None
             parts["start"] = flatten(self.start)
             parts["scale"] = [ufl.as_ufl(self.scale)]
+            if self.start_error is not None:
+                parts["start_error"] = [self.start_error]
             parts["residual"] = flatten(self.residual)
             parts["jacobian"] = self.jacobian()
         for name in self.outputs:
@@ -179,6 +189,7 @@ class PointLaw:
         if self.unknown is not None:
             assert self.residual is not None and self.start is not None
             given += [self.residual, self.start, ufl.as_ufl(self.scale)]
+            given += [] if self.start_error is None else [self.start_error]
         return given
 
     def coefficients(self) -> list[ufl.Coefficient]:

@@ -27,11 +27,13 @@ class LocalSolve(L.Statement):
         start: first values of the unknowns. scale: size of the residual's terms.
         equations: statements that fill the arrays `residual` and `jacobian` (rows first) from the array `iterate`.
         condition: None, or a condition; where it holds in no lane, `other` stands for `equations`.
+        error: None, or what the start may differ from the solution by (only where there is no condition).
+        declared: whether an array of the values has been declared, which is assigned.
     """
 
-    def __init__(self, name, start, scale, equations, condition=None, other=None):
+    def __init__(self, name, start, scale, equations, condition=None, other=None, declared=False, error=None):
         self.name, self.start, self.scale, self.equations = name, start, scale, equations
-        self.condition, self.other = condition, other
+        self.condition, self.other, self.declared, self.error = condition, other, declared, error
 
 
 class AnyLane(L.Statement):
@@ -78,21 +80,22 @@ class CxxFormatter:
         start = ", ".join(self(x) if _is_scalar(x) else f"splat<T>({self(x)})" for x in s.start)
         scale = self(s.scale) if _is_scalar(s.scale) else f"splat<T>({self(s.scale)})"
 
+        error = "" if s.error is None else f" {self(s.error)},"
+
         def solution(equations):
             body = "".join(f"  {line}\n" for x in equations for line in self(x).splitlines())
             return (
-                f"local_newton<T, {count}>({s.name}_start, {scale},\n"
+                f"local_newton<T, {count}>({s.name}_start, {scale},{error}\n"
                 f"  [&](const T* __restrict iterate, T* __restrict residual, T* __restrict jacobian)\n{{\n{body}}})"
             )
 
         value = solution(s.equations)
         if s.condition is not None:
             value = f"not any_lane({self(s.condition)})\n  ? {solution(s.other)}\n  : {value}"
-        return (
-            f"const T {s.name}_start[{count}] = {{{start}}};\n"
-            f"const auto {s.name} = {value};\n"
-            f"const T (&{s.name}_x)[{count}] = {s.name}.x;\n"
-        )
+        values = f"const T (&{s.name}_x)[{count}] = {s.name}.x;\n"
+        if s.declared:
+            values = "".join(f"{s.name}_x[{i}] = {s.name}.x[{i}];\n" for i in range(count))
+        return f"const T {s.name}_start[{count}] = {{{start}}};\nconst auto {s.name} = {value};\n{values}"
 
     def _AnyLane(self, s):
         body = "".join(f"  {line}\n" for x in s.body for line in self(x).splitlines())

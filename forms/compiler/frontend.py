@@ -548,7 +548,9 @@ def _loops(averages, law_parts):
     """
     if not averages:
         return 0, 1
-    equations = [e for part in ("start", "scale", "residual", "jacobian") for e in law_parts.get(part, ())]
+    equations = [
+        e for part in ("start", "scale", "start_error", "residual", "jacobian") for e in law_parts.get(part, ())
+    ]
     solved_in = 1 + max((a.loop for a in averages.needed(equations)), default=-1)
     if any(a.solved for a in averages.needed(equations)):
         raise ValueError("the local equations have an average over the cell that depends on their own solution")

@@ -7,16 +7,23 @@ import numpy as np
 
 from . import algebra as alg
 from .cxx import AnyLane, CxxFormatter, LocalSolve, Text
+from .schedule import WORTH_A_BRANCH
 
 INT, SCALAR = L.DataType.INT, L.DataType.SCALAR
 A = L.Symbol("A", SCALAR)
-EQUATIONS = ("start", "scale", "residual", "jacobian", "other residual", "other jacobian")
+BRANCH = ("start", "scale", "start_error", "residual", "jacobian")  # equations where the branch's condition holds
+EQUATIONS = (*BRANCH, "other residual", "other jacobian")
 VOLUME, SUMS, SOLVED, KEPT, BRANCHED = "cell_volume", "cell_sums", "solved", "kept", "branched"
-WORTH_A_BRANCH = 40  # operations that a branch may save, some 40 clock cycles against a few
+LOCAL_X = "local_x"  # of LocalSolve
 
 
 def _array(name):
     return L.Symbol(name, SCALAR)
+
+
+def _branched(number, _):
+    """Place of a conditional that is computed in a branch."""
+    return _array(BRANCHED)[number]
 
 
 def _zero(name, size):
@@ -54,7 +61,7 @@ class LocalPart:
             return _array("iterate")[key[1]]
         if key[0] == "average":
             return _array(f"average_{key[1]}")[key[2]]
-        return self._solved(key[1]) if self.kept else _array("local_x")[key[1]]
+        return self._solved(key[1]) if self.kept else _array(LOCAL_X)[key[1]]
 
     def _solved(self, component):
         return _array(SOLVED)[self._at_point(self.law.num_unknowns, component)]
@@ -208,20 +215,27 @@ class LocalPart:
         """Statements at a point of the last loop, in front of those of the element tensor, whose factors are declared
         here, too."""
         schedule = self.writer.schedule
-        # What the equations do not need comes after them: it would only take registers while they are solved.
-        statements = self._solve() if self.solves_last else []
+        values = factors + self._of(*self._parts("output"), *self._parts("sum"))
+        solve = (self.branch, self._solve_in_branch) if self.solves_last and self._is_zero_elsewhere() else None
+        count, statements, condition, branch = 0, [], None, []
+        if solve:
+            count, statements, condition, branch = schedule.separate(values, alg.SOLVED, _branched, 0, solve)
+            if count:
+                statements = [_zero(LOCAL_X, self.law.num_unknowns), *statements]
+        if not count:
+            # What the equations do not need comes after them: it would only take registers while they are solved.
+            solved = self._solve() if self.solves_last else []
+            count, statements, condition, branch = schedule.separate(values, alg.SOLVED, _branched, WORTH_A_BRANCH)
+            statements = solved + statements
+        if count:
+            statements = [L.ArrayDecl(_array(BRANCHED), sizes=(count,)), *statements, AnyLane(condition, branch)]
         return statements + schedule.declare(factors, alg.POINT) + schedule.declare(factors, alg.SOLVED)
 
     def behind(self):
         """Statements at a point of the last loop behind those of the element tensor: outputs and sums."""
         schedule = self.writer.schedule
         values = self._of(*self._parts("output"), *self._parts("sum"))
-        count, statements, condition, branch = schedule.separate(
-            values, alg.SOLVED, lambda k, _: _array(BRANCHED)[k], WORTH_A_BRANCH
-        )
-        if count:
-            statements = [L.ArrayDecl(_array(BRANCHED), sizes=(count,)), *statements, AnyLane(condition, branch)]
-        statements += schedule.declare(values, alg.POINT) + schedule.declare(values, alg.SOLVED)
+        statements = schedule.declare(values, alg.POINT) + schedule.declare(values, alg.SOLVED)
         for output, offset in zip(self.law.outputs, self.integral.output_offsets):
             for c, value in enumerate(self.values[f"output {output.name}"]):
                 index = self._at_point(output.num_components, offset + c)
@@ -230,20 +244,42 @@ class LocalPart:
             statements.append(L.AssignAdd(_array(SUMS)[k], schedule.expression(self.values[f"sum {name}"][0])))
         return statements
 
+    def _is_zero_elsewhere(self):
+        """Do the equations say that the unknowns are zero where the condition of the first one does not hold?"""
+        n, number = self.law.num_unknowns, self.writer.algebra.number
+        if self.branch is None:
+            return False
+        unknowns = [self.unknown(i, True) for i in range(n)]
+        unit = [number(i == j) for i in range(n) for j in range(n)]
+        return self.values["other residual"] == unknowns and self.values["other jacobian"] == unit
+
+    def _solve_in_branch(self):
+        """Statements that solve the local equations where their condition holds in a lane."""
+        schedule, values = self.writer.schedule, self.values
+        statements = schedule.declare(self._of(*BRANCH), alg.POINT)
+        start = [schedule.expression(v) for v in values["start"]]
+        equations = self._equations("residual", "jacobian")
+        error = schedule.expression(values["start_error"][0]) if "start_error" in values else None
+        scale = schedule.expression(values["scale"][0])
+        solve = LocalSolve("local", start, scale, equations, declared=True, error=error)
+        return [*statements, solve, self._failures()]
+
+    def _failures(self):
+        return Text(f"failures.add(local, {CxxFormatter()(self.rule.flat(self.writer.tdim))});")
+
     def _solve(self):
         schedule, values = self.writer.schedule, self.values
         statements = schedule.declare(self._of(*EQUATIONS), alg.POINT)
         start = [schedule.expression(v) for v in values["start"]]
-        point = CxxFormatter()(self.rule.flat(self.writer.tdim))
         condition = None if self.branch is None else schedule.condition(self.branch)
         other = None if self.branch is None else self._equations("other residual", "other jacobian")
         equations = self._equations("residual", "jacobian")
         statements += [
             LocalSolve("local", start, schedule.expression(values["scale"][0]), equations, condition, other),
-            Text(f"failures.add(local, {point});"),
+            self._failures(),
         ]
         if self.kept:
-            statements += [L.Assign(self._solved(i), _array("local_x")[i]) for i in range(self.law.num_unknowns)]
+            statements += [L.Assign(self._solved(i), _array(LOCAL_X)[i]) for i in range(self.law.num_unknowns)]
         return statements
 
     def _equations(self, residual, jacobian):

@@ -10,8 +10,12 @@ from collections import Counter
 import ffcx.codegeneration.lnodes as L
 
 from . import algebra as alg
+from .cxx import AnyLane
 from .shared_pairs import Factor, trees
 
+WORTH_A_BRANCH = 40  # operations that a branch may save, some 40 clock cycles against a few
+CHEAP = ("abs", "min_value", "max_value")  # functions of one operation
+FUNCTION = 20  # operations of another function, of vectors
 REAL, SCALAR, BOOL = L.DataType.REAL, L.DataType.SCALAR, L.DataType.BOOL
 
 
@@ -292,7 +296,7 @@ class Schedule:
         result.dtype = SCALAR if self._level[j] > alg.CONSTANT else REAL
         return result
 
-    def separate(self, values, level, place, at_least):
+    def separate(self, values, level, place, at_least, first=None):
         """Conditionals of one condition whose first values cost much and belong to nothing else: they can be left out
         where the condition holds in no lane. What other values need is declared before, and read again afterwards.
 
@@ -300,31 +304,56 @@ class Schedule:
             values: values that are asked for next.
             level: highest level of the conditionals; variables up to it may be declared.
             place: function (number, count) -> LNodes expression of the place of one of so many conditionals.
-            at_least: number of operations from which it is worth a branch [1].
+            at_least: number of operations from which it is worth a branch, WORTH_A_BRANCH unless there is one [1].
+            first: None, or a pair of an algebra node of kind "select" and a function that returns statements, which
+                begin the branch of this node's condition and find what values of the level SOLVED depend on; what they
+                declare ends with the branch. Only this condition is taken then.
 
         Returns:
             Number of conditionals, statements in front of the branch, its condition and its statements; zero and
             nothing where there are none.
         """
-        groups, roots = {}, [self._roots[v][1] for v in values if v[1] is not None]
+        return self._separate([self._roots[v][1] for v in values if v[1] is not None], level, place, at_least, first)
+
+    def _separate(self, roots, level, place, at_least, first=None, done=()):
+        """`separate` for low-level nodes; conditions in `done` have their branch already."""
+        groups = {}
         for j in sorted(self._open(roots)):
             if self._key[j][0] == "select" and alg.POINT <= self._level[j] <= level:
                 groups.setdefault(self._key[j][1], []).append(j)
         levels = range(alg.POINT, level + 1)
+        # What depends on the solution is not known in front of a branch that solves.
+        earlier = range(alg.POINT, alg.SOLVED if first else level + 1)
+        if first:
+            groups = {c: g for c, g in groups.items() if c == self._key[self._of[first[0]]][1]}
         for condition, selects in groups.items():
-            first = [self._key[j][2][1] for j in selects if self._key[j][2][1] is not None]
-            others = [n for j in selects for n in self._args[j] if n not in first]
+            if condition in done:
+                continue
+            inner = [self._key[j][2][1] for j in selects if self._key[j][2][1] is not None]
+            others = [n for j in selects for n in self._args[j] if n not in inner]
+            if any(self._level[n] not in earlier and self._level[n] >= alg.POINT for n in others):
+                continue
             outside = self._open([*roots, *others], selects) - set(selects)
-            if len(self._open(first) - outside - set(selects)) < at_least:
+            if sum(map(self._cost, self._open(inner) - outside - set(selects))) < at_least:
                 continue
             before, inside = [], []
             shared = sorted(n for n in outside if n in others or not self._open([n]) & set(selects))
-            for lower in levels:
+            for lower in earlier:
                 for n in shared:
                     self._declare(n, lower, before, set())
             places = [place(k, len(selects)) for k in range(len(selects))]
             before += [L.Assign(p, self._value(self._key[j][3])) for j, p in zip(selects, places)]
             test, known = self._test(condition), set(self._variable)
+            inside += first[1]() if first else []
+            # A branch in the branch, for a case that is rare.
+            nested, *parts = self._separate(
+                selects,
+                level,
+                lambda k, n, used=len(selects): place(k + used, n),
+                WORTH_A_BRANCH,
+                done=(*done, condition),
+            )
+            inside += [*parts[0], AnyLane(*parts[1:])] if nested else []
             for j, p in zip(selects, places):  # in the order in which they are made of each other
                 for lower in levels:
                     for n in self._args[j]:
@@ -332,8 +361,12 @@ class Schedule:
                 inside.append(L.Assign(p, self._expression(j)))
                 self._variable[j] = p
             self._variable = {j: v for j, v in self._variable.items() if j in known or j in selects}
-            return len(selects), before, test, inside
+            return len(selects) + nested, before, test, inside
         return 0, [], None, []
+
+    def _cost(self, j):
+        """Operations that a low-level node takes, about: those of functions are many."""
+        return FUNCTION if self._key[j][0] == "call" and self._key[j][1] not in CHEAP else 1
 
     def _open(self, roots, ends=()):
         """Low-level nodes that are computed for some others, those included; not below `ends` nor variables."""

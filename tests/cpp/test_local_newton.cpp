@@ -126,3 +126,30 @@ TEST_CASE("a start that solves the equations is kept, also where the derivative 
   CHECK(s.failed == 0.0);
   CHECK(s.x[0] == 0.25);
 }
+
+TEST_CASE("lanes whose start is known to be the solution keep it, the others are solved")
+{
+  int evaluations = 0;
+  const auto solve = [&](T4 error)
+  {
+    const T4 start[1] = {splat<T4>(1.5)};
+    return local_newton<T4, 1>(start, splat<T4>(2.0), error,
+                               [&](const T4* x, T4* r, T4* J)
+                               {
+                                 ++evaluations;
+                                 r[0] = x[0] * x[0] - 2.0;
+                                 J[0] = 2.0 * x[0];
+                               });
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto mixed = solve(T4{0.0, 2e-16, 3e-16, nan}); // half a unit in the last place of the scale is 2.2e-16
+  CHECK(evaluations > 0);
+  for (int lane = 0; lane < 4; ++lane)
+  {
+    CHECK(mixed.failed[lane] == 0.0);
+    CHECK(std::abs(mixed.x[0][lane] - (lane < 2 ? 1.5 : std::sqrt(2.0))) < 1e-15);
+  }
+  evaluations = 0;
+  CHECK(solve(splat<T4>(1e-17)).x[0][3] == 1.5);
+  CHECK(evaluations == 0);
+}

@@ -136,6 +136,24 @@ inline LocalSolution<T, N> local_newton(const T (&start)[N], T scale, const Equa
   return s;
 }
 
+/// The same where the distance of the first iterate from the solution is known, of one equation whose derivative is
+/// about one in size: lanes in which it is below the round-off of the residual keep the first iterate.
+/// @param[in] error bound of that distance
+template <typename T, int N, typename Equations>
+inline LocalSolution<T, N> local_newton(const T (&start)[N], T scale, T error, const Equations& equations)
+{
+  static_assert(N == 1);
+  constexpr double round_off = 0x1p-53;
+  const auto known = error <= round_off * scale; // not where the bound is no number
+  if (not any_lane(known == 0))
+    return {{start[0]}, splat<T>(0.0), splat<T>(0.0)};
+  LocalSolution<T, N> s = local_newton<T, N>(start, scale, equations);
+  s.x[0] = select<T>(known, start[0], s.x[0]);
+  s.residual = select<T>(known, splat<T>(0.0), s.residual);
+  s.failed = select<T>(known, splat<T>(0.0), s.failed);
+  return s;
+}
+
 /// The points of a cell that were not solved: how many, and what is known of the first.
 template <typename T, int N>
 struct LocalFailures

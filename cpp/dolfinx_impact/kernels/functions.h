@@ -457,14 +457,17 @@ inline T regular_third_power(T x)
   const T thirds = 1499660000000000.0 - upper * (1.0 / 3.0);
   T z = from_bits<T>((bits_of(T(thirds + two52)) & 0x000fffffffffffffu) << 12);
   // z (1 - r)^(-1/3) with r = 1 - x z^3, to the third power of r: 0.1, 1e-5, 1e-21 are the sizes of r. The second time,
-  // x z and z^2 keep what is rounded away.
+  // x z and z^2 keep what is rounded away; of z itself, where it is a third of a unit in the last place, that can go.
   const T first = 1.0 - x * z * (z * z);
   z += z * first * (1.0 / 3.0 + first * (2.0 / 9.0 + first * (14.0 / 81.0)));
+  if constexpr (k == -1)
+  {
+    const T r = 1.0 - x * z * (z * z);
+    return z + z * (r * (1.0 / 3.0 + r * (2.0 / 9.0 + r * (14.0 / 81.0))));
+  }
   const Sum<T> square = exact_product(z, z), other = exact_product(x, z), one = exact_product(square.high, other.high);
   const T r = (1.0 - one.high) - (one.low + (square.high * other.low + square.low * other.high));
   const T c = r * (1.0 / 3.0 + r * (2.0 / 9.0 + r * (14.0 / 81.0)));
-  if constexpr (k == -1)
-    return z + z * c;
   if constexpr (k == 2)
     return other.high + (other.low + other.high * c);
   if constexpr (k == -2)

@@ -106,8 +106,10 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     _coefficients.push_back(std::move(a));
   }
 
-  if (type == "cell" && k.rank == 1 && _coefficients.size() == 1 && _coefficients[0].as_test && !_history &&
-      k.num_sums == 0)
+  const auto gathered = [](const Array& a) { return a.field < 0; };
+  _at_nodes = std::size_t(std::ranges::find_if(_coefficients, gathered) - _coefficients.begin());
+  if (type == "cell" && k.rank == 1 && std::ranges::count_if(_coefficients, gathered) == 1 &&
+      _coefficients[_at_nodes].as_test)
     _sweep = sweep(_width, _test.block_size, padded_stride(_test.block_size));
 
   const std::vector<std::int32_t>& entities = integral.entities;
@@ -194,6 +196,8 @@ void Batches::load_history(std::size_t batch, double* w) const
     if (a.field >= 0)
       std::copy_n(_history->committed(a.field, batch), _history->batch_size(a.field),
                   w + std::size_t(a.offset) * _width);
+  if (batch + 1 < _used.size())
+    prefetch_history(batch + 1); // arrives while the kernel computes
 }
 
 void Batches::prefetch_history(std::size_t batch) const
@@ -334,11 +338,21 @@ bool Batches::has(const std::string& name) const
   return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.name == name; });
 }
 
+/// What a kernel has written of a batch beside the element tensor.
+void Batches::store_results(std::size_t batch, const double* A) const
+{
+  if (_stores)
+    store_outputs(batch, A);
+  add_sums(batch, A);
+  if (_kernel->local_unknowns > 0)
+    record_failures(batch, A);
+}
+
 /// @returns number of batches that it has run
 std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double* w, double* x) const
 {
   if (!_sweep || _used.empty() || !_x.values || stride != padded_stride(_test.block_size) ||
-      _coefficients[0].stride != stride || !_coefficients[0].values)
+      _coefficients[_at_nodes].stride != stride || !_coefficients[_at_nodes].values)
     return 0;
   Sweep s;
   s.tabulate = _tabulate;
@@ -350,17 +364,25 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
   s.num_nodes = _test.num_nodes;
   s.constants = _constants.data();
   s.positions = _x.values;
-  s.values = _coefficients[0].values;
+  s.values = _coefficients[_at_nodes].values;
   s.b = b;
   s.A = A;
   const std::size_t behind = (_buffer.size() - 8) / 2; // the second half of the buffer is like the first one
   for (int half = 0; half < 2; ++half)
   {
-    s.w[half] = w + half * behind + std::size_t(_coefficients[0].offset) * _width;
+    s.all_w[half] = w + half * behind;
+    s.w[half] = s.all_w[half] + std::size_t(_coefficients[_at_nodes].offset) * _width;
     s.x[half] = x + half * behind;
   }
   if (s.num_batches == 0)
     return 0;
+  s.owner = this;
+  if (_history)
+    s.load = [](const void* owner, std::size_t batch, double* to)
+    { static_cast<const Batches*>(owner)->load_history(batch, to); };
+  if (_history || _kernel->num_sums > 0)
+    s.store = [](const void* owner, std::size_t batch, const double* from)
+    { static_cast<const Batches*>(owner)->store_results(batch, from); };
   _sweep(s);
   return s.num_batches;
 }
@@ -392,11 +414,7 @@ double Batches::run(double* b, int stride) const
                w + std::size_t(a.offset) * _width);
     }
     if (_history)
-    {
       load_history(batch, w);
-      if (batch + 1 < _used.size())
-        prefetch_history(batch + 1); // arrives while the kernel computes
-    }
     _tabulate(A, w, _constants.data(), x, _facet[batch]);
     if (k.rank == 1)
       scatter(A, _test.dofs.data() + batch * _test.num_nodes * _width, _test.num_nodes, _used[batch], b);
@@ -406,11 +424,7 @@ double Batches::run(double* b, int stride) const
         sum += A[l];
       std::fill_n(A, size_A, 0.0);
     }
-    if (_stores)
-      store_outputs(batch, A);
-    add_sums(batch, A);
-    if (k.local_unknowns > 0)
-      record_failures(batch, A);
+    store_results(batch, A);
   }
   if (_stores)
     _history->set_evaluated();

@@ -118,6 +118,7 @@ private:
   void store_outputs(std::size_t batch, const double* A) const;
   void add_sums(std::size_t batch, const double* A) const;
   void record_failures(std::size_t batch, const double* A) const;
+  void store_results(std::size_t batch, const double* A) const;
   std::size_t run_whole_batches(double* b, int stride, double* A, double* w, double* x) const;
 
   const impact_kernel* _kernel;
@@ -132,6 +133,7 @@ private:
   scatter_function _scatter = nullptr, _padded_scatter = nullptr;
   sweep_function _sweep = nullptr; ///< over padded arrays, for kernels that it is right for; null for others
   std::vector<Array> _coefficients;
+  std::size_t _at_nodes = 0; ///< the first one that is gathered from nodes
   std::vector<double> _constants;
   std::shared_ptr<PointHistory> _history;
   bool _stores = false;              ///< are outputs written to the history?

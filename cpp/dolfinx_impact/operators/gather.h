@@ -29,9 +29,15 @@ struct Sweep
   const double* positions = nullptr; ///< four entries per node, aligned
   const double* values = nullptr;    ///< of the coefficient, with the stride of b
   double* b = nullptr;
-  double* A = nullptr; ///< element vector, zero before and after
-  double* w[2] = {};   ///< coefficient of a batch, and of the next one
-  double* x[2] = {};   ///< positions likewise
+  double* A = nullptr;   ///< element vector, zero before and after
+  double* w[2] = {};     ///< coefficient of a batch, and of the next one
+  double* x[2] = {};     ///< positions likewise
+  double* all_w[2] = {}; ///< all coefficients likewise, for `load`
+  /// Of kernels with internal variables, null for others: read those of a batch, ahead of the kernel as the nodes are,
+  /// and store what the kernel has written of a batch beside the element vector.
+  void (*load)(const void* owner, std::size_t batch, double* w) = nullptr;
+  void (*store)(const void* owner, std::size_t batch, const double* A) = nullptr;
+  const void* owner = nullptr; ///< of the internal variables
 };
 /// Gathers, tabulates and scatters batch by batch, in one function: calls cost as much as a node of a small cell.
 typedef void (*sweep_function)(const Sweep&);

@@ -170,9 +170,11 @@ __attribute__((always_inline)) inline void sweep_batches(const Sweep& sweep)
   const Sweep s = sweep; // a copy: stores to A could change what is read by reference
   const std::int32_t* nodes = s.nodes;
   const std::int32_t* places = s.position_nodes;
-  double *w = s.w[0], *x = s.x[0], *next_w = s.w[1], *next_x = s.x[1];
+  double *w = s.w[0], *x = s.x[0], *next_w = s.w[1], *next_x = s.x[1], *all = s.all_w[0], *next_all = s.all_w[1];
   gather_positions(s.positions, places, s.num_position_nodes, x);
   gather_values(s.values, nodes, s.num_nodes, w);
+  if (s.load)
+    s.load(s.owner, 0, all);
   for (std::size_t k = 0; k < s.num_batches; ++k)
   {
     const std::int32_t* next = nodes + W * s.num_nodes;
@@ -181,12 +183,17 @@ __attribute__((always_inline)) inline void sweep_batches(const Sweep& sweep)
       places += s.positions_per_batch;
       gather_positions(s.positions, places, s.num_position_nodes, next_x);
       gather_values(s.values, next, s.num_nodes, next_w);
+      if (s.load)
+        s.load(s.owner, k + 1, next_all);
     }
     s.tabulate(s.A, w, s.constants, x, 0);
     scatter(s.A, nodes, s.num_nodes, s.b);
+    if (s.store)
+      s.store(s.owner, k, s.A);
     nodes = next;
     std::swap(w, next_w);
     std::swap(x, next_x);
+    std::swap(all, next_all);
   }
 }
 

@@ -549,6 +549,10 @@ class SafeStep:
     @property
     def deformed(self) -> bool: ...
     @property
+    def num_found(self) -> int:
+        """How often the stable step was found anew"""
+
+    @property
     def check_step(self) -> int: ...
     @property
     def check_interval(self) -> int: ...

@@ -64,7 +64,8 @@ class Body:
         self.velocity = Function(setup.V)
         self.velocity.interpolate(lambda x: RATE * FLOW @ x)
         self.problem = ExplicitProblem(self.u, material, velocity=self.velocity)
-        self.dt: float = SHARE * self.problem._stepper.safe_step  # given steps: no deformation asks for a new stable step
+        # Given steps: no deformation asks for a new stable step.
+        self.dt: float = SHARE * self.problem._stepper.safe_step
 
     def advance(self, steps: int) -> float:
         """Take some steps.

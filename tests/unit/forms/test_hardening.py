@@ -12,6 +12,7 @@ from dolfinx_impact.forms.hardening import (
     TableHardening,
     VoceHardening,
     first_increment,
+    first_increment_error,
 )
 
 STRAINS, STRESSES = (0.0, 0.1, 0.3, 0.6), (2.0, 2.6, 2.9, 3.5)
@@ -80,3 +81,16 @@ def test_first_increment_is_a_root_to_the_third_order(excess, digits):
 def test_first_increment_where_the_series_is_no_use():
     slope = 6.0 + value(VOCE.slope(0.1))
     assert value(first_increment(1e3, 6.0, VOCE, 0.1)) == pytest.approx(1e3 / slope, rel=1e-15)
+
+
+@pytest.mark.parametrize("excess", [1e-3, 1e-2, 0.1])
+def test_the_error_of_the_first_increment_is_bounded(excess):
+    """By the sizes of the fourth term's parts, which nearly cancel here: the bound is of the fourth power."""
+    stiffness, alpha = 6.0, 0.1
+    first = value(VOCE.stress(alpha))
+    root = brentq(lambda x: stiffness * x + value(VOCE.stress(alpha + x)) - first - excess, 0.0, 1.0, xtol=1e-16)
+    error = abs(value(first_increment(excess, stiffness, VOCE, alpha)) - root)
+    bound, smaller = (value(first_increment_error(e, stiffness, VOCE, alpha)) for e in (excess, 0.1 * excess))
+    assert error <= bound + 4e-16 * root  # what the search for the root leaves
+    assert bound == pytest.approx(1e4 * smaller, rel=1e-12) and bound < 1e3 * excess**4
+    assert value(first_increment_error(1e3, stiffness, VOCE, alpha)) == 1.0  # the series is no use

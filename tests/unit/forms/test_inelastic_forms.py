@@ -65,6 +65,15 @@ def test_a_mean_stress_of_finite_strain_saves_work_and_changes_nothing(u, law):
     assert difference(force(u, wrong, **law), expected) > 1e-5
 
 
+def test_derivatives_of_positions_make_the_same_force(u):
+    plain = inelastic.Kinematics("3d", True, True)
+    laws = [di.J2Plasticity(1.0, 0.3, yield_stress=1.0, **law).response(u.function_space.mesh) for law in FINITE]
+    assert [inelastic.DeformedCell.serves(law, plain) for law in laws] == [True, False]
+    # Without what DeformedCell.takes, F and its inverse are computed.
+    expected = force(u, lambda update: dataclasses.replace(update, kirchhoff=None), finite_strain=True)
+    assert difference(force(u, finite_strain=True), expected) < ROUND_OFF
+
+
 def test_a_mean_stress_of_finite_strain_that_varies_in_the_cell_is_averaged(u):
     def varying(named):
         def change(update):

@@ -54,3 +54,14 @@ def test_stretch_in_space(F):
 def test_stretch_in_the_plane(F):
     U = right_stretch(F)
     assert np.abs(values(law.plane_stretch(ufl.as_matrix(F.tolist()))) - U).max() < 1e-14 * np.linalg.norm(U)
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-8, 1e-3, 0.0446, 0.0448, 0.3])
+def test_mean_of_an_elastic_strain_that_keeps_the_volume(size):
+    """To round-off on both sides of the deviator (0.0447) from which on the series is not taken."""
+    A = np.random.default_rng(4).uniform(-1, 1, (3, 3))
+    d = A + A.T - 2 * np.trace(A) / 3 * np.eye(3)
+    d *= size / np.linalg.norm(d)
+    x = law.unimodular_mean(ufl.as_matrix(d.tolist()))(())
+    second, determinant = np.sum(d * d) / 2, np.linalg.det(d)
+    assert abs(x**3 - second * x + determinant - 1) < 1e-15  # of terms of 1, each rounded by 1e-16
