@@ -2,8 +2,8 @@
 """Cost of creep forces in 3D, as a multiple of one static contact solve without friction on the same mesh.
 
 The three start from undeformed bodies whose hub has the displacement that bears the load, with nothing kept from
-earlier solves: the static contact; one point of the creep curve; a curve of several points, each found from the one before.
-Wall-clock times, one after the other in one process.
+earlier solves: the static contact; one point of the creep curve; a curve of several points, each found from the one
+before. Wall-clock times, one after the other in one process.
 """
 
 import time
