@@ -5,6 +5,7 @@ import ffcx.codegeneration.lnodes as L
 import numpy as np
 
 from . import tensor
+from .cxx import Rounded
 from .sumfactorisation import combine, integrate_test
 
 INT, REAL, SCALAR = L.DataType.INT, L.DataType.REAL, L.DataType.SCALAR
@@ -216,7 +217,9 @@ class ElementTensor:
                 for dof in np.flatnonzero(reduction[column]):
                     pair = (scale * float(reduction[column, dof]), f)
                     terms.setdefault(begin + stride * int(dof), []).append(pair)
-        return [L.AssignAdd(A[dof], combine(pairs)) for dof, pairs in sorted(terms.items())]
+        # A sum with the last product of a value has another rounding: the sweep is to have that of `tabulate`.
+        value = (lambda pairs: Rounded(combine(pairs))) if self.integral.has_sweep else combine
+        return [L.AssignAdd(A[dof], value(pairs)) for dof, pairs in sorted(terms.items())]
 
     # -- rank 2 -------------------------------------------------------------------------------------------------------
     def _inside_matrix(self, schedule):

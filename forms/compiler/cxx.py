@@ -36,6 +36,15 @@ class LocalSolve(L.Statement):
         self.condition, self.other, self.declared, self.error = condition, other, declared, error
 
 
+class Rounded(L.LExprOperator):
+    """A value that is rounded before it is added to anything (kernels/simd.h)."""
+
+    precedence = L.PRECEDENCE.HIGHEST
+
+    def __init__(self, arg):
+        self.arg, self.dtype = arg, L.DataType.SCALAR
+
+
 class AnyLane(L.Statement):
     """Statements that are executed if a condition holds in any lane; what they declare ends with them."""
 
@@ -163,6 +172,9 @@ class CxxFormatter:
     def _Neg(self, e):
         arg = self(e.arg)
         return f"-({arg})" if e.arg.precedence >= e.precedence else f"-{arg}"
+
+    def _Rounded(self, e):
+        return f"rounded({self(e.arg)})"
 
     def _Sum(self, e):
         return " + ".join(self(a) if a.precedence < e.precedence else f"({self(a)})" for a in e.args)

@@ -147,6 +147,20 @@ class Integral:
         return 2 if self.integral_type == "interior_facet" else 1
 
     @property
+    def has_sweep(self) -> bool:
+        """Has the kernel a function that gathers and scatters, too (kernels/sweep.h)? Those of cells whose nodes carry
+        positions, one coefficient and the test function: linear simplices, whose kernels take no longer than the
+        calls around them."""
+        if self.integral_type != "cell" or self.rank != 1 or self.law is not None or len(self.coefficients) != 1:
+            return False
+        element, positions = self.argument_elements[0], self.coordinate_element
+        return (
+            positions.cell_type.name in ("triangle", "tetrahedron")
+            and positions.embedded_superdegree == 1
+            and element == self.coefficients[0].element == positions
+        )
+
+    @property
     def num_points(self):
         """Points at which outputs are written."""
         return len(integrands(self.ir)[0][0].points) if self.law else 0

@@ -249,7 +249,7 @@ TEST_CASE("the balance of a mass on a spring")
   // constant to round-off.
   const double dt = 0.1;
   double u = 1.0, v = 0.0, r = 0.0;
-  const double inverse = 1.0;
+  const double inverse = 1.0, mass = 1.0;
   EnergyBalance balance(MPI_COMM_SELF, InternalEnergy::quadratic, Scheme::half_step, 0.0);
   ContactForces none;
   const int steps = 200;
@@ -260,7 +260,7 @@ TEST_CASE("the balance of a mass on a spring")
   {
     r = u;
     REQUIRE(balance.end_sum());
-    const Sums sums = update(1, &r, nullptr, &inverse, {1.0, 0.5 * (last + dt), dt}, &u, &v);
+    const Sums sums = update(1, &r, nullptr, &inverse, &mass, {1.0, 0.5 * (last + dt), dt}, &u, &v);
     balance.add_step(sums, {}, {last, dt}, {}, none, false, false);
     balance.begin_sum(none, 1, history, k);
     last = dt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Forces from arrays with four entries per node, in one sweep, are those from DOLFINx's arrays.
 #include <basix/finite-element.h>
+#include <bit>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -13,6 +14,7 @@
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/operators/InternalForce.h>
 #include <dolfinx_impact/operators/NodePositions.h>
+#include <dolfinx_impact/operators/gather.h>
 #include <dolfinx_impact/operators/lanes.h>
 #include <numeric>
 
@@ -101,4 +103,59 @@ TEST_CASE("forces from padded arrays")
   std::vector<double> again(u.size(), 1.0);
   force.assemble(again);
   CHECK(again == expected);
+}
+
+// Arrays are read by the vectors of a kernel's sweep, and by the calls that it stands for.
+TEST_CASE("a kernel's own sweep gives the same bits as its calls")
+{
+  int swept = 0;
+  for (const impact_kernel* kernel : kernels::table())
+    for (const int width : {4, 8})
+    {
+      const impact_sweep sweep = kernels::sweep(*kernel, width);
+      if (!sweep || width > kernels::processor_width())
+        continue;
+      ++swept;
+      const impact_element& element = kernel->arguments[0];
+      const int bs = element.block_size, nodes = element.num_dofs / bs, stride = padded_stride(bs);
+      // Two batches of cells that are not flat, whose lanes share nodes.
+      const int batches = 2, num_nodes = nodes + batches * width;
+      std::vector<std::int32_t> dofs(std::size_t(batches) * nodes * width);
+      for (int batch = 0; batch < batches; ++batch)
+        for (int node = 0; node < nodes; ++node)
+          for (int lane = 0; lane < width; ++lane)
+            dofs[(batch * nodes + node) * width + lane] = batch * width + lane + node;
+      AlignedVector x(4 * num_nodes), values(stride * num_nodes), found(values.size(), 0.0), expected(found);
+      for (int i = 0; i < num_nodes; ++i)
+      {
+        for (int c = 0; c < bs; ++c)
+        {
+          x[4 * i + c] = 2.0 + std::sin(1.0 + i * (1.3 + 0.7 * c)) + 0.1 * i * (c + 1);
+          values[stride * i + c] = 1e-3 * std::cos(0.3 + i * (2.1 + c));
+        }
+      }
+      std::vector<double> constants(kernel->size_c, 0.3);
+      const impact_cells cells{batches, dofs.data(), constants.data(), x.data(), values.data(), found.data()};
+      sweep(&cells);
+      AlignedVector A(element.num_dofs * width, 0.0), w(A.size()), positions(3 * nodes * width);
+      for (int batch = 0; batch < batches; ++batch)
+      {
+        const std::int32_t* own = dofs.data() + batch * nodes * width;
+        gather(width, 3, 4)(x.data(), own, nodes, positions.data());
+        gather(width, bs, stride)(values.data(), own, nodes, w.data());
+        kernels::tabulate (*kernel, width)(A.data(), w.data(), constants.data(), positions.data(), 0);
+        scatter(width, bs, stride)(A.data(), own, nodes, width, expected.data());
+      }
+      INFO(kernel->name << " on " << kernel->cell << ", " << kernel->hypothesis << ", " << width << " cells at once");
+      bool any = false;
+      for (std::size_t i = 0; i < found.size(); ++i)
+      {
+        CHECK(std::bit_cast<std::uint64_t>(found[i]) == std::bit_cast<std::uint64_t>(expected[i]));
+        any = any || found[i] != 0.0;
+      }
+      CHECK(any);
+    }
+#if defined(__x86_64__) && defined(__GNUC__)
+  CHECK((swept > 0) == (kernels::processor_width() >= 4));
+#endif
 }

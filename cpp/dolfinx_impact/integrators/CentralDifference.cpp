@@ -206,7 +206,8 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   const double mean_step = 0.5 * (_last_step + dt);
   _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
   _contact.keep(f);
-  Sums sums = update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), c, f.u.data(), f.v.data());
+  Sums sums =
+      update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), f.mass.data(), c, f.u.data(), f.v.data());
   const PrescribedMotion::Power power =
       _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
   _contact.advance_bodies(dt, mean_step, _last_step == 0.0);
@@ -328,8 +329,8 @@ Energies CentralDifference::energies()
   if (!_evaluated)
     evaluate();
   const NodalFields& f = _fields;
-  Sums sums = measure(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), coefficients(_last_step),
-                      f.u.data(), f.v.data());
+  Sums sums = measure(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), f.mass.data(),
+                      coefficients(_last_step), f.u.data(), f.v.data());
   const double power = _prescribed.power(_last_step, _alpha, _beyond.data(), f.mass.data(), _loads, f.u.data(),
                                          f.v.data(), f.r.data(), sums);
   _contact.measure_bodies(_last_step > 0.0 ? _last_step : 0.0, _last_step == 0.0);

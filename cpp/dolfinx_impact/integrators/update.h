@@ -31,11 +31,12 @@ struct Coefficients
 /// @param[in] n degrees of freedom
 /// @param[in,out] r what equilibrium lacks: internal forces less contact and others
 /// @param[in] load external forces, or null
-/// @param[in] inverse_mass per degree of freedom
+/// @param[in] inverse_mass per degree of freedom; zero where velocities are prescribed [1/M]
+/// @param[in] mass per degree of freedom, for the sums [M]
 /// @param[in,out] u, v displacements and velocities
-Sums update(std::size_t n, double* r, const double* load, const double* inverse_mass, const Coefficients& c, double* u,
-            double* v);
+Sums update(std::size_t n, double* r, const double* load, const double* inverse_mass, const double* mass,
+            const Coefficients& c, double* u, double* v);
 /// The same sums without the update, v_new being what it would be.
-Sums measure(std::size_t n, const double* r, const double* load, const double* inverse_mass, const Coefficients& c,
-             const double* u, const double* v);
+Sums measure(std::size_t n, const double* r, const double* load, const double* inverse_mass, const double* mass,
+             const Coefficients& c, const double* u, const double* v);
 } // namespace dolfinx_impact::integrators

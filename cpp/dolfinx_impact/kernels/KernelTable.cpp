@@ -181,4 +181,9 @@ impact_tabulate tabulate(const impact_kernel& kernel, int width)
 {
   return kernel.tabulate[slot(width)];
 }
+
+impact_sweep sweep(const impact_kernel& kernel, int width)
+{
+  return kernel.sweep[slot(width)];
+}
 } // namespace dolfinx_impact::kernels

@@ -53,4 +53,7 @@ int processor_width();
 
 /// The function for a width that `width` returned.
 impact_tabulate tabulate(const impact_kernel& kernel, int width);
+
+/// The sweep for a width that `width` returned; null: the kernel has none.
+impact_sweep sweep(const impact_kernel& kernel, int width);
 } // namespace dolfinx_impact::kernels

@@ -77,6 +77,16 @@ inline void clear(Array& array)
     entries[i] = zero;
 }
 
+/// x as a variable of its own: a product is rounded before it is added to what follows, wherever the compiler puts it.
+template <typename T>
+__attribute__((always_inline)) inline T rounded(T x)
+{
+#if defined(__x86_64__) && defined(__GNUC__)
+  __asm__("" : "+v"(x));
+#endif
+  return x;
+}
+
 template <typename T>
 inline double select(bool condition, double a, double b)
   requires(is_double<T>)

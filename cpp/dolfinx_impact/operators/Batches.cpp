@@ -110,7 +110,11 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
   _at_nodes = std::size_t(std::ranges::find_if(_coefficients, gathered) - _coefficients.begin());
   if (type == "cell" && k.rank == 1 && std::ranges::count_if(_coefficients, gathered) == 1 &&
       _coefficients[_at_nodes].as_test)
+  {
     _sweep = sweep(_width, _test.block_size, padded_stride(_test.block_size));
+    if (_coefficients.size() == 1 && !_history && k.num_sums == 0)
+      _kernel_sweep = kernels::sweep(k, _width);
+  }
 
   const std::vector<std::int32_t>& entities = integral.entities;
   if (type == "interior_facet")
@@ -354,9 +358,18 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
   if (!_sweep || _used.empty() || !_x.values || stride != padded_stride(_test.block_size) ||
       _coefficients[_at_nodes].stride != stride || !_coefficients[_at_nodes].values)
     return 0;
+  const std::size_t num_batches = _used.size() - (_used.back() < _width ? 1 : 0);
+  if (num_batches == 0)
+    return 0;
+  if (_kernel_sweep && _x.as_test && _x.num_nodes == _test.num_nodes)
+  {
+    const impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, _coefficients[0].values, b};
+    _kernel_sweep(&cells);
+    return num_batches;
+  }
   Sweep s;
   s.tabulate = _tabulate;
-  s.num_batches = _used.size() - (_used.back() < _width ? 1 : 0);
+  s.num_batches = num_batches;
   s.position_nodes = (_x.as_test ? _test : _x).dofs.data();
   s.num_position_nodes = _x.num_nodes;
   s.positions_per_batch = std::size_t((_x.as_test ? _test : _x).num_nodes) * _width;
@@ -374,8 +387,6 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
     s.w[half] = s.all_w[half] + std::size_t(_coefficients[_at_nodes].offset) * _width;
     s.x[half] = x + half * behind;
   }
-  if (s.num_batches == 0)
-    return 0;
   s.owner = this;
   if (_history)
     s.load = [](const void* owner, std::size_t batch, double* to)
@@ -384,7 +395,7 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
     s.store = [](const void* owner, std::size_t batch, const double* from)
     { static_cast<const Batches*>(owner)->store_results(batch, from); };
   _sweep(s);
-  return s.num_batches;
+  return num_batches;
 }
 
 double Batches::run(double* b, int stride) const

@@ -49,6 +49,24 @@ def test_same_text_in_processes_with_other_hashes():
     assert len(texts) == 1 and "impact_row_0_kernel" in texts.pop()
 
 
+@pytest.mark.parametrize(
+    "row, has_one",
+    [
+        (("linear_elastic.force", "tetrahedron", 1, 1, "3d"), True),
+        (("neo_hookean.force", "triangle", 1, 1, "plane_strain"), True),
+        (("linear_elastic.force", "tetrahedron", 2, 1, "3d"), False),  # positions have fewer nodes
+        (("linear_elastic.force", "hexahedron", 1, 1, "3d"), False),  # calls cost little beside eight points
+        (("linear_elastic.tangent", "tetrahedron", 1, 1, "3d"), False),
+        (("gravity", "tetrahedron", 1, 1, "3d"), False),  # no coefficient
+    ],
+)
+def test_kernels_of_few_operations_have_a_sweep(row, has_one):
+    text = source(row)
+    assert ("impact_row_0_sweep_4(" in text) == has_one
+    assert ("kernels/sweep.h" in text) == has_one
+    assert ("rounded(" in text) == has_one
+
+
 @pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
 def test_signature_does_not_depend_on_names_or_numbers(first_number):
     """UFL orders operands by the printed numbers of constants: 9 and 10 change places where 8 and 9 do not."""

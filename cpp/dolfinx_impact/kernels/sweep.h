@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+// Gather, kernel and scatter in one function, for kernels of few operations: a call and the arrays that it passes cost
+// as much as a node of a linear tetrahedron. Included by generated sources for widths of 4 and 8 on x86. Vectors are
+// put together in registers: lanes that are written one by one and read whole stall the processor (the stores cannot be
+// forwarded). Only the compiler's own vectors are used: a header of intrinsics takes longer to read than the kernel.
+#include "Kernel.h"
+#include "simd.h"
+#if defined(__x86_64__) && defined(__GNUC__)
+#define IMPACT_HAS_SWEEPS
+
+namespace dolfinx_impact::kernels::swept
+{
+// Compiled for processors that the machine may not be: no copy may be left that the linker could use elsewhere.
+#define IMPACT_ALWAYS_INLINE __attribute__((always_inline)) inline
+
+/// A node of four entries in memory, aligned; a pair in memory, which need not be.
+typedef double Row __attribute__((vector_size(32), may_alias));
+typedef double Pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/// One component of a node in each of four lanes.
+typedef double Column __attribute__((vector_size(32)));
+
+/// Components of one node of four cells.
+template <int N>
+struct Columns
+{
+  Column c[N];
+};
+
+template <int BS>
+IMPACT_ALWAYS_INLINE Columns<BS> gather4(const double* values, const int* nodes)
+{
+  if constexpr (BS == 3)
+  {
+    Column r[4];
+#pragma GCC unroll 4
+    for (int l = 0; l < 4; ++l)
+      r[l] = *reinterpret_cast<const Row*>(values + 4 * static_cast<long long>(nodes[l]));
+    const Column a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6),
+                 b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+    const Column c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
+                 d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+    return {{__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
+             __builtin_shufflevector(a, c, 2, 3, 6, 7)}};
+  }
+  else
+  {
+    Pair r[4];
+#pragma GCC unroll 4
+    for (int l = 0; l < 4; ++l)
+      r[l] = *reinterpret_cast<const Pair*>(values + 2 * static_cast<long long>(nodes[l]));
+    const Column a = __builtin_shufflevector(r[0], r[2], 0, 1, 2, 3),
+                 b = __builtin_shufflevector(r[1], r[3], 0, 1, 2, 3);
+    return {{__builtin_shufflevector(a, b, 0, 4, 2, 6), __builtin_shufflevector(a, b, 1, 5, 3, 7)}};
+  }
+}
+
+/// Adds to four nodes, one after the other: lanes may share a node.
+template <int BS>
+IMPACT_ALWAYS_INLINE void scatter4(double* result, const int* nodes, const Columns<BS>& f)
+{
+  const Column a = __builtin_shufflevector(f.c[0], f.c[1], 0, 4, 2, 6),
+               b = __builtin_shufflevector(f.c[0], f.c[1], 1, 5, 3, 7);
+  if constexpr (BS == 3)
+  {
+    const Column zero{};
+    const Column c = __builtin_shufflevector(f.c[2], zero, 0, 4, 2, 6),
+                 d = __builtin_shufflevector(f.c[2], zero, 1, 5, 3, 7);
+    const Column rows[4] = {__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
+                            __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
+#pragma GCC unroll 4
+    for (int l = 0; l < 4; ++l)
+    {
+      Row& node = *reinterpret_cast<Row*>(result + 4 * static_cast<long long>(nodes[l]));
+      node = node + rows[l];
+    }
+  }
+  else
+  {
+    const Pair rows[4] = {__builtin_shufflevector(a, a, 0, 1), __builtin_shufflevector(b, b, 0, 1),
+                          __builtin_shufflevector(a, a, 2, 3), __builtin_shufflevector(b, b, 2, 3)};
+#pragma GCC unroll 4
+    for (int l = 0; l < 4; ++l)
+    {
+      Pair& node = *reinterpret_cast<Pair*>(result + 2 * static_cast<long long>(nodes[l]));
+      node = node + rows[l];
+    }
+  }
+}
+
+template <int W, int BS, typename T>
+IMPACT_ALWAYS_INLINE void gather(const double* values, const int* nodes, T* w)
+{
+  const Columns<BS> low = gather4<BS>(values, nodes);
+  if constexpr (W == 8)
+  {
+    const Columns<BS> high = gather4<BS>(values, nodes + 4);
+#pragma GCC unroll 3
+    for (int c = 0; c < BS; ++c)
+      w[c] = __builtin_shufflevector(low.c[c], high.c[c], 0, 1, 2, 3, 4, 5, 6, 7);
+  }
+  else
+#pragma GCC unroll 3
+    for (int c = 0; c < BS; ++c)
+      w[c] = low.c[c];
+}
+
+template <int W, int BS, typename T>
+IMPACT_ALWAYS_INLINE void scatter(double* result, const int* nodes, const T* A)
+{
+  Columns<BS> low;
+  if constexpr (W == 8)
+  {
+    Columns<BS> high;
+#pragma GCC unroll 3
+    for (int c = 0; c < BS; ++c)
+    {
+      low.c[c] = __builtin_shufflevector(A[c], A[c], 0, 1, 2, 3);
+      high.c[c] = __builtin_shufflevector(A[c], A[c], 4, 5, 6, 7);
+    }
+    scatter4<BS>(result, nodes, low);
+    scatter4<BS>(result, nodes + 4, high);
+  }
+  else
+  {
+#pragma GCC unroll 3
+    for (int c = 0; c < BS; ++c)
+      low.c[c] = A[c];
+    scatter4<BS>(result, nodes, low);
+  }
+}
+
+/// @tparam kernel the kernel for vectors of W cells, which becomes a part of this function
+/// @tparam N nodes of a cell, with BS components each
+template <int W, auto kernel, int N, int BS>
+IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
+{
+  typedef typename Lanes<W>::type T;
+  const impact_cells s = cells; // a copy: what is added to the result could change what is read by reference
+  const int* nodes = s.nodes;
+  for (unsigned long long batch = 0; batch < s.num_batches; ++batch, nodes += W * N)
+  {
+    T x[3 * N], w[BS * N], A[BS * N];
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i)
+    {
+      gather<W, 3>(s.positions, nodes + W * i, x + 3 * i);
+      gather<W, BS>(s.values, nodes + W * i, w + BS * i);
+    }
+#pragma GCC unroll 48
+    for (int i = 0; i < BS * N; ++i)
+      A[i] = -T{}; // added to -0 a number is itself, also -0: compilers leave the sum out
+    kernel(A, w, s.constants, x, 0);
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i)
+      scatter<W, BS>(s.result, nodes + W * i, A + BS * i);
+  }
+}
+} // namespace dolfinx_impact::kernels::swept
+#undef IMPACT_ALWAYS_INLINE
+#endif
