@@ -34,7 +34,7 @@ def bisect(points: FloatArray, weights: FloatArray, num_parts: int) -> IntArray:
         Parts, 0 to num_parts - 1, (n); each has a point, if there are enough of them.
     """
     part = np.zeros(len(points), dtype=np.int32)
-    pieces = [(np.arange(len(points)), 0, num_parts)]
+    pieces: list[tuple[IntArray, int, int]] = [(np.arange(len(points)), 0, num_parts)]
     while pieces:
         chosen, first, count = pieces.pop()
         if count == 1:

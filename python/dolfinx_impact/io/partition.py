@@ -147,14 +147,15 @@ def _costs(
 
 def _on_one_rank(comm: MPI.Comm, middles: FloatArray, costs: FloatArray) -> IntArray:
     """Ranks of this rank's cells; the cuts are made on rank 0, which needs 36 B for each cell of the mesh."""
-    counts = comm.gather(len(costs), root=0)
-    rows = np.column_stack([middles, costs])
-    root = comm.rank == 0
-    all_rows = np.empty((sum(counts), 4)) if root else None
-    comm.Gatherv(rows, [all_rows, [4 * n for n in counts]] if root else None, root=0)
-    parts = bisect(all_rows[:, :3], all_rows[:, 3], comm.size) if all_rows is not None else None
-    mine = np.empty(len(costs), dtype=np.int32)
-    comm.Scatterv([parts, counts] if root else None, mine, root=0)
+    counts: list[int] | None = comm.gather(len(costs), root=0)
+    rows, mine = np.column_stack([middles, costs]), np.empty(len(costs), dtype=np.int32)
+    if counts is None:
+        comm.Gatherv(rows, None, root=0)
+        comm.Scatterv(None, mine, root=0)
+        return mine
+    all_rows = np.empty((sum(counts), 4))
+    comm.Gatherv(rows, [all_rows, [4 * n for n in counts]], root=0)
+    comm.Scatterv([bisect(all_rows[:, :3], all_rows[:, 3], comm.size), counts], mine, root=0)
     return mine
 
 

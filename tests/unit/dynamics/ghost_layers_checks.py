@@ -80,7 +80,7 @@ def check_no_more_is_exchanged():
         count = COMM.allreduce(int(np.sum(needed >= owned)))
         owners = np.asarray(V.dofmap.index_map.owners)[needed[needed >= owned] - owned]
         assert cells_computed(problem) == topology.index_map(3).size_global == 125 + 64
-        # One exchange each way in each step, one forward at the start and one reverse at the end, and what results need.
+        # One exchange each way in each step, and a few more at the start, at the end, and for results.
         steps = problem.step
         assert 2 * 3 * count <= values <= 2 * 3 * count * (steps + 3) / steps
         assert messages <= 2 * COMM.allreduce(len(np.unique(owners))) * (steps + 3) / steps
