@@ -19,8 +19,9 @@ import numpy as np
 from mpi4py import MPI
 
 from dolfinx_impact import compat
+from dolfinx_impact.io import bisection
 from . import (
-    bars, blocks, hertz, indenters, insulated_joint, rail_joint, rolling_contact, weighted_partition, wheel_rail,
+    bars, blocks, hertz, indenters, insulated_joint, rail_joint, rolling_contact, wheel_rail,
 )  # fmt: skip
 from .layout import require
 from .tags import BODIES, FACETS, NAMES, name_of
@@ -89,7 +90,7 @@ def make(name, comm=MPI.COMM_WORLD, cell=None, degree=1, partitioner=None, weigh
         nonlocal partitioner
         if weight is not None and comm.size > 1:
             x = compat.gmsh_nodes(model) if comm.rank == 0 else np.zeros((0, 3))
-            partitioner = weighted_partition.partitioner(x, weight)
+            partitioner = bisection.partitioner(x, weight)
         return compat.model_to_mesh(model, comm, 0, gdim=plan.dim, partitioner=partitioner)
 
     mesh, cell_tags, facet_tags = _on_rank_0(comm, name, plan, cell, degree, distribute)

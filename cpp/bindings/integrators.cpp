@@ -130,5 +130,8 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
       .def("update_gaps", &CentralDifference::update_gaps)
       .def_prop_ro("traffic", [](const CentralDifference& self)
                    { return std::pair(self.traffic().messages, self.traffic().values); })
+      .def_prop_ro(
+          "waited", [](const CentralDifference& self) { return self.traffic().waited; },
+          "Time that this rank has waited for its neighbours' messages so far [s]")
       .def_prop_ro("contact_seconds", &CentralDifference::contact_seconds);
 }

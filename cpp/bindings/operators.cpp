@@ -123,7 +123,18 @@ std::span<double> nodal(const Halo& halo, const Vector& values, int bs)
 void bind_halo(nb::module_& m)
 {
   nb::class_<Halo>(m, "Halo", "Exchange of nodal values between ranks: owned nodes of an IndexMap, then its ghosts")
-      .def(nb::init<std::shared_ptr<const dolfinx::common::IndexMap>>(), nb::arg("index_map"), "Collective")
+      .def(
+          "__init__",
+          [](Halo* self, std::shared_ptr<const dolfinx::common::IndexMap> map,
+             std::optional<nb::ndarray<const std::int8_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>> used)
+          {
+            new (self)
+                Halo(std::move(map), used ? std::span(used->data(), used->size()) : std::span<const std::int8_t>());
+          },
+          nb::arg("index_map"), nb::arg("used").none() = nb::none(),
+          "used: nonzero for each ghost that takes part in exchanges; None: all. Collective")
+      .def_prop_ro("traffic",
+                   [](const Halo& self) { return std::pair(self.traffic().messages, self.traffic().values); })
       .def_prop_ro("num_owned", &Halo::num_owned)
       .def_prop_ro("num_nodes", &Halo::num_nodes)
       .def(

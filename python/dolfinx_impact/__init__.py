@@ -44,6 +44,7 @@ from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenan
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
 from .io.deformed_body import DeformedBody
 from .io.mesh_reader import check_mesh, read_mesh
+from .io.partition import PartitionedMesh, partition
 from .assembly.operators import Energy, InternalForce, PointValues, Tangent
 from .rolling.motions import Spin, Translation
 from .rolling.rolling_problem import RollingProblem
@@ -78,6 +79,7 @@ __all__ = [
     "MaterialUpdate",
     "NeoHookean",
     "NewmarkProblem",
+    "PartitionedMesh",
     "PointValues",
     "PrescribedMotion",
     "Rayleigh",
@@ -114,6 +116,7 @@ __all__ = [
     "lumped_mass",
     "model_to_mesh",
     "operators",
+    "partition",
     "quadrature_degree",
     "read_mesh",
     "section_force",

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "CentralDifference.h"
+#include "../operators/cell_ghosts.h"
 #include <algorithm>
 #include <cmath>
 #include <dolfinx/fem/DofMap.h>
@@ -20,7 +21,7 @@ CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>&
                                      std::span<const double> mass, double alpha, Scheme scheme)
     : _positions(V), _fields(V->dofmap()->index_map, V->dofmap()->index_map_bs(),
                              // kernels read whole nodes where the space has those as blocks
-                             V->dofmap()->bs() == V->dofmap()->index_map_bs()),
+                             V->dofmap()->bs() == V->dofmap()->index_map_bs(), operators::cell_ghosts(*V)),
       _internal(std::move(internal)), _alpha(alpha), _scheme(scheme), _loads(_fields.owned_entries),
       _contact(V->dofmap()->index_map->comm()), _energies(V->dofmap()->index_map->comm(),
                                                           _internal.has_history() ? InternalEnergy::elastic
@@ -34,6 +35,7 @@ CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>&
   for (double x : V->mesh()->geometry().x())
     _largest_coordinate = std::max(_largest_coordinate, std::abs(x));
   _internal.check();
+  _fields.use(_internal.outer_nodes());
   _internal.read(_fields);
   _internal.read_positions(_positions);
   _fields.spread(mass, _fields.mass);
@@ -53,6 +55,8 @@ std::vector<std::int32_t> CentralDifference::entries(std::span<const std::int32_
 
 void CentralDifference::add_term(FormForces forces, WorkKind kind)
 {
+  forces.check();
+  _fields.use(forces.outer_nodes());
   _terms.emplace_back(std::move(forces), kind, _fields);
   _terms.back().read_positions(_positions);
 }

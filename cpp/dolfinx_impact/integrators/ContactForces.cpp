@@ -133,6 +133,7 @@ void ContactForces::search(NodalFields& fields, double last_step)
     const auto needed = contact->required_nodes(*fields.halo);
     nodes.insert(nodes.end(), needed.begin(), needed.end());
   }
+  fields.drop_ghosts(nodes);
   _nodes.assign_numbers(fields, std::move(nodes), has_corrections());
   for (enforcement::NodalContact* contact : _directions)
     contact->assign_numbers(*_nodes.halo(), _nodes.numbers(), _nodes.mass());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ForceTerm.h"
 #include <algorithm>
+#include <dolfinx/fem/DofMap.h>
 #include <stdexcept>
 
 namespace dolfinx_impact::integrators
@@ -33,6 +34,18 @@ void FormForces::check() const
     if (!name.empty() && !inner->has(name) && !outer->has(name))
       throw std::invalid_argument("no kernel of the forces has a coefficient named '" + name +
                                   "': give the name in the kernels, or an empty one if they have none");
+}
+
+std::vector<std::int32_t> FormForces::outer_nodes() const
+{
+  std::vector<std::int32_t> nodes = outer->reached_dofs();
+  if (!nodes.empty())
+  {
+    const int bs = outer->test_space()->dofmap()->index_map_bs();
+    std::ranges::transform(nodes, nodes.begin(), [bs](std::int32_t dof) { return dof / bs; });
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  }
+  return nodes;
 }
 
 bool FormForces::has_history() const

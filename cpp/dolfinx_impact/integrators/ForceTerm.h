@@ -20,6 +20,8 @@ struct FormForces
 
   /// @throws std::invalid_argument for an operator that is null, a name that no kernel has
   void check() const;
+  /// Nodes that the outer cells reach, for facets between cells those of ghost cells as well.
+  std::vector<std::int32_t> outer_nodes() const;
   /// Have the materials internal variables?
   bool has_history() const;
   /// Elastic energy of this rank's cells in the last evaluation, of materials with internal variables and of those

@@ -14,17 +14,28 @@ using operators::AlignedVector;
 using operators::Halo;
 
 /// Values at the nodes that a rank knows: owned nodes, the space's ghosts, then nodes of other ranks that contacts
-/// need. Arrays have `stride` entries per node, node*stride + component; those beyond the components are padding, zero.
+/// need. Ghosts that nothing on this rank reads, of the layers of cells that a mesh came with, have places but take no
+/// part in exchanges: their values are those of an earlier time level. Arrays have `stride` entries per node,
+/// node*stride + component; those beyond the components are padding, zero.
 struct NodalFields
 {
   /// @param[in] map of the space's nodes
   /// @param[in] bs components per node
   /// @param[in] padded the stride is operators::padded_stride(bs), which kernels read fast; else bs
-  NodalFields(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int bs, bool padded = true);
+  /// @param[in] used nonzero for each ghost of the space that kernels read or add to; empty: all. Collective.
+  NodalFields(const std::shared_ptr<const dolfinx::common::IndexMap>& map, int bs, bool padded = true,
+              std::vector<std::int8_t> used = {});
+  /// More of the space's nodes are read or added to: they are exchanged from now on. Collective.
+  /// @param[in] nodes owned ones among them are left out
+  void use(std::span<const std::int32_t> nodes);
   /// Take the space's ghosts and others in place of those before; all values but the residual are sent to them.
   /// Collective.
   /// @param[in] others global numbers and owners of nodes that are no ghosts of the space, ascending
   void add_ghosts(const std::vector<std::pair<std::int64_t, int>>& others);
+  /// Exchange no more ghosts of the space than kernels and contacts read, after `add_ghosts` has made Halos of all.
+  /// Collective.
+  /// @param[in] nodes of contacts, in the order of the arrays
+  void drop_ghosts(std::span<const std::int32_t> nodes);
   const dolfinx::common::IndexMap& space_map() const { return *_space_map; }
 
   /// Send the owners' displacements to the ghosts. Collective.
@@ -56,9 +67,12 @@ struct NodalFields
   Halo::Traffic traffic() const;
 
 private:
-  void resize(const std::shared_ptr<const dolfinx::common::IndexMap>& map);
+  void set_halo(std::unique_ptr<Halo> halo);
+  void refresh_ghosts();
 
   std::shared_ptr<const dolfinx::common::IndexMap> _space_map;
+  std::vector<std::int8_t> _used;  ///< nonzero for each ghost of the space that kernels read
+  bool _some_unused = false;       ///< has any rank ghosts that are not? The same on all ranks
   std::vector<double> _old_ghosts; ///< displacements of ghosts at the time level before
   Halo::Traffic _traffic;          ///< of Halos that are no more
 };

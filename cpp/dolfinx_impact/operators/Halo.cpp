@@ -16,26 +16,33 @@ void check(MPI_Comm comm, int error)
   dolfinx::MPI::check_error(comm, error);
 }
 
-/// Ghosts ordered by owner, those of one owner in the map's order.
-std::vector<std::int32_t> by_owner(const dolfinx::common::IndexMap& map)
+/// Ghosts that are used, ordered by owner, those of one owner in the map's order.
+std::vector<std::int32_t> by_owner(const dolfinx::common::IndexMap& map, std::span<const std::int8_t> used)
 {
   const auto owners = map.owners();
-  std::vector<std::int32_t> order(owners.size());
-  std::iota(order.begin(), order.end(), 0);
+  if (!used.empty() && used.size() != owners.size())
+    throw std::invalid_argument("a Halo of " + std::to_string(owners.size()) + " ghosts was told of " +
+                                std::to_string(used.size()) + " which of them are used");
+  std::vector<std::int32_t> order;
+  for (std::size_t g = 0; g < owners.size(); ++g)
+    if (used.empty() || used[g])
+      order.push_back(std::int32_t(g));
   std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return owners[a] < owners[b]; });
   return order;
 }
 } // namespace
 
-Halo::Halo(std::shared_ptr<const dolfinx::common::IndexMap> map) : _map(std::move(map)), _comm(_map->comm())
+Halo::Halo(std::shared_ptr<const dolfinx::common::IndexMap> map, std::span<const std::int8_t> used)
+    : _map(std::move(map)), _comm(_map->comm())
 {
   const MPI_Comm comm = _comm.comm();
-  const std::vector<std::int32_t> order = by_owner(*_map);
+  const std::vector<std::int32_t> order = by_owner(*_map, used);
   const auto sources = _map->src(), destinations = _map->dest();
   // Owners hear from every neighbour how many of their nodes it has, and which.
   std::vector<int> ghost_counts(sources.size()), owned_counts(destinations.size());
   for (std::size_t i = 0; i < sources.size(); ++i)
-    ghost_counts[i] = int(std::count(_map->owners().begin(), _map->owners().end(), sources[i]));
+    ghost_counts[i] =
+        int(std::ranges::count_if(order, [&](std::int32_t g) { return _map->owners()[g] == sources[i]; }));
   std::vector<MPI_Request> requests;
   const auto finish = [&]
   {
@@ -62,6 +69,10 @@ Halo::Halo(std::shared_ptr<const dolfinx::common::IndexMap> map) : _map(std::mov
   for (std::int32_t g : order)
     _ghosts.push_back(_map->size_local() + g);
 
+  const auto messages = [](const std::vector<int>& counts)
+  { return std::ranges::count_if(counts, [](int count) { return count > 0; }); };
+  _owned_messages = messages(owned_counts);
+  _ghost_messages = messages(ghost_counts);
   _owned_buffer.resize(_owned.size() * max_bs);
   _ghost_buffer.resize(_ghosts.size() * max_bs);
   const auto prepare =
@@ -69,6 +80,8 @@ Halo::Halo(std::shared_ptr<const dolfinx::common::IndexMap> map) : _map(std::mov
   {
     for (std::size_t i = 0, at = 0; i < ranks.size(); at += counts[i++])
     {
+      if (counts[i] == 0) // the neighbour knows that as well
+        continue;
       double* data = buffer + at * bs;
       MPI_Request* request = &_requests[direction][bs].emplace_back();
       const int n = counts[i] * bs, tag = value_tag + direction;
@@ -99,8 +112,8 @@ void Halo::start(int direction, int bs)
 {
   auto& requests = _requests[direction][bs];
   const bool forward = direction == 0;
-  _traffic += {std::int64_t(forward ? _map->dest().size() : _map->src().size()),
-               std::int64_t(forward ? _owned.size() : _ghosts.size()) * bs};
+  _traffic +=
+      {forward ? _owned_messages : _ghost_messages, std::int64_t(forward ? _owned.size() : _ghosts.size()) * bs};
   if (!requests.empty()) // no null pointers: MPI implementations differ on them
     check(_comm.comm(), MPI_Startall(int(requests.size()), requests.data()));
 }
@@ -108,8 +121,11 @@ void Halo::start(int direction, int bs)
 void Halo::wait(int direction, int bs)
 {
   auto& requests = _requests[direction][bs];
-  if (!requests.empty())
-    check(_comm.comm(), MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  if (requests.empty())
+    return;
+  const double begin = MPI_Wtime();
+  check(_comm.comm(), MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE));
+  _traffic.waited += MPI_Wtime() - begin;
 }
 
 int Halo::checked_stride(std::span<const double> values, int bs, int stride) const

@@ -13,21 +13,29 @@
 namespace dolfinx_impact::operators
 {
 /// Exchange of nodal values between a rank and its neighbours, without allocation: arrays values[node*bs + c] over the
-/// nodes of an IndexMap, owned first, then ghosts. One message per neighbour and direction, by persistent requests.
-/// One exchange at a time: begin and end of one before the begin of the next.
+/// nodes of an IndexMap, owned first, then ghosts. One message per neighbour and direction, by persistent requests;
+/// none to a neighbour with nothing to exchange. One exchange at a time: begin and end of one before the begin of the
+/// next.
 class Halo
 {
 public:
   static constexpr int max_bs = 12; ///< as many components as gather.h has code for
 
-  /// @param[in] map nodes. Collective.
-  explicit Halo(std::shared_ptr<const dolfinx::common::IndexMap> map);
+  /// Collective.
+  /// @param[in] map nodes
+  /// @param[in] used nonzero for each ghost of the map that takes part in exchanges, for example without the layers of
+  ///   ghosts that a mesh came with; values of the others are left as they are. Empty: all do
+  /// @throws std::invalid_argument for another number of ghosts
+  explicit Halo(std::shared_ptr<const dolfinx::common::IndexMap> map, std::span<const std::int8_t> used = {});
   ~Halo();
   Halo(const Halo&) = delete;
   Halo& operator=(const Halo&) = delete;
 
   const dolfinx::common::IndexMap& map() const { return *_map; }
+  const std::shared_ptr<const dolfinx::common::IndexMap>& shared_map() const { return _map; }
   std::int32_t num_owned() const { return _map->size_local(); }
+  /// Ghosts that take part in exchanges.
+  std::int32_t num_exchanged_ghosts() const { return std::int32_t(_ghosts.size()); }
   /// Owned nodes and ghosts.
   std::int32_t num_nodes() const { return _map->size_local() + _map->num_ghosts(); }
 
@@ -58,10 +66,12 @@ public:
   struct Traffic
   {
     std::int64_t messages = 0, values = 0; ///< a value is a double
+    double waited = 0.0;                   ///< for messages of the neighbours [s]
     Traffic& operator+=(const Traffic& other)
     {
       messages += other.messages;
       values += other.values;
+      waited += other.waited;
       return *this;
     }
   };
@@ -78,6 +88,7 @@ private:
   std::vector<double> _owned_buffer, _ghost_buffer;
   /// [direction][bs]: 0 forward, 1 reverse
   std::array<std::array<std::vector<MPI_Request>, max_bs + 1>, 2> _requests;
+  std::int64_t _owned_messages = 0, _ghost_messages = 0; ///< of an exchange forward, and reverse
   Traffic _traffic;
 };
 } // namespace dolfinx_impact::operators

@@ -63,8 +63,8 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
   std::vector<double> K(std::size_t(n) * n), out;
   out.reserve(3 * num);
   std::vector<int> numbers;
-  std::vector<double> reduced, mass;
-  std::map<int, SymmetricMatrix> of_size; // two cells share more degrees of freedom or less
+  std::vector<double> reduced, mass, scale; // scale: one over the root of the masses
+  std::map<int, SymmetricMatrix> of_size;   // two cells share more degrees of freedom or less
   std::unordered_map<long long, std::vector<std::pair<Traces, std::array<double, 2>>>> known;
   for (std::size_t e = 0; e < num; ++e)
   {
@@ -90,13 +90,16 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
       m = mass.data(), S = reduced.data();
     }
     SymmetricMatrix& A = of_size.try_emplace(size, size).first->second;
+    scale.resize(size);
+    for (int i = 0; i < size; ++i)
+      scale[i] = 1.0 / std::sqrt(m[i]);
     double skew = 0.0;
     for (int i = 0; i < size; ++i)
-      for (int j = 0; j < size; ++j)
+      for (int j = 0; j <= i; ++j)
       {
-        const double to = S[std::size_t(size) * i + j], fro = S[std::size_t(size) * j + i];
-        A(i, j) = 0.5 * (to + fro) / std::sqrt(m[i] * m[j]);
-        skew += 0.25 * (to - fro) * (to - fro) / (m[i] * m[j]);
+        const double to = S[std::size_t(size) * i + j], fro = S[std::size_t(size) * j + i], s = scale[i] * scale[j];
+        A(i, j) = A(j, i) = 0.5 * (to + fro) * s;
+        skew += 0.5 * (to - fro) * (to - fro) * s * s; // of both entries; the diagonal has none
       }
     const Traces t = A.traces();
     if (!std::isfinite(t.second))

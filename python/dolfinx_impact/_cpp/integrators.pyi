@@ -92,6 +92,10 @@ class CentralDifference:
     @property
     def traffic(self) -> tuple[int, int]: ...
     @property
+    def waited(self) -> float:
+        """Time that this rank has waited for its neighbours' messages so far [s]"""
+
+    @property
     def contact_seconds(self) -> float: ...
 
 class Forces:

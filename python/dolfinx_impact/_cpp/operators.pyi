@@ -33,9 +33,13 @@ class Halo:
     Exchange of nodal values between ranks: owned nodes of an IndexMap, then its ghosts
     """
 
-    def __init__(self, index_map: dolfinx.cpp.common.IndexMap) -> None:
-        """Collective"""
+    def __init__(self, index_map: dolfinx.cpp.common.IndexMap, used: NDArray[numpy.integer[Any]] | None = None) -> None:
+        """
+        used: nonzero for each ghost that takes part in exchanges; None: all. Collective
+        """
 
+    @property
+    def traffic(self) -> tuple[int, int]: ...
     @property
     def num_owned(self) -> int: ...
     @property

@@ -23,6 +23,7 @@ from . import (
     explicit,
     force,
     laws,
+    many_ranks,
     one_point,
     plastic,
     ratio_history,
@@ -73,7 +74,7 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
     """
     out = force.jobs(bandwidth, peak) + laws.jobs() + force.rank_jobs()
     out += explicit.jobs(large, ranks) + one_point.jobs() + plastic.jobs(large) + averaged.jobs(large) + statics.jobs()
-    return out + contact_rows.jobs(large) + rolling.jobs(large)
+    return out + contact_rows.jobs(large) + rolling.jobs(large) + many_ranks.jobs(large)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -25,7 +25,6 @@ except ImportError:  # the package is not built: the sources themselves
     mesh_input = importlib.import_module("dolfinx_impact.io.mesh_reader")
 committed = importlib.import_module(meshes.__name__ + ".committed")
 wheel_rail = importlib.import_module(meshes.__name__ + ".wheel_rail")
-weighted_partition = importlib.import_module(meshes.__name__ + ".weighted_partition")
 
 
 def jacobians(mesh, at_vertices):

@@ -45,6 +45,29 @@ def check_forward_and_reverse():
             assert np.array_equal(values[owned * bs :], full[owned * bs :])
 
 
+def check_some_ghosts():
+    """Ghosts that are not used keep what they have and send nothing; neighbours without any get no message."""
+    for index_map in maps():
+        owned, num_ghosts = index_map.size_local, index_map.num_ghosts
+        first = min(index_map.owners, default=-1)
+        used = (np.asarray(index_map.owners) == first) & (np.arange(num_ghosts) % 2 == 0)
+        halo = _cpp.operators.Halo(index_map, used.astype(np.int8))
+        numbers = np.append(np.arange(*index_map.local_range), index_map.ghosts).astype(float)
+        values = np.where(np.arange(owned + num_ghosts) < owned, numbers, -1.0)
+        halo.forward(values, 1)
+        assert np.array_equal(values[owned:], np.where(used, numbers[owned:], -1.0))
+        copies = np.ones(owned + num_ghosts)
+        halo.reverse(copies, 1)
+        everywhere = COMM.allgather(np.asarray(index_map.ghosts)[used])
+        counted = np.sum([np.isin(numbers[:owned], one) for one in everywhere], axis=0)
+        assert np.array_equal(copies[:owned], 1.0 + counted)
+        messages, sent = halo.traffic
+        assert COMM.allreduce(sent) == 2 * COMM.allreduce(int(used.sum()))
+        assert COMM.allreduce(messages) == 2 * COMM.allreduce(int(used.any()))
+    with pytest.raises(ValueError, match="used"):
+        _cpp.operators.Halo(index_map, np.ones(num_ghosts + 1, dtype=np.int8))
+
+
 def check_refused():
     """Arrays of wrong sizes, too many values per node."""
     index_map = next(maps())

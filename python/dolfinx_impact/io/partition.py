@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""A mesh shared out anew: each rank has equal work, cells and what nodes of a contact cost beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from dolfinx import io, la, mesh
+from dolfinx.mesh import Mesh, MeshTags
+from mpi4py import MPI
+
+from .. import compat
+from ..common.collective import guard
+from ..common.types import FloatArray, IntArray
+from .bisection import Cost, bisect, one_rank_each
+
+__all__ = ["PartitionedMesh", "partition"]
+
+# Time of a slave node in a step over that of a linear hexahedron, penalty with friction (docs/performance.md).
+NODE_COST = 3.0
+# Nodes per facet of a large surface, by the cells below.
+_NODES_PER_FACET = {"triangle": 1.0, "quadrilateral": 1.0, "tetrahedron": 0.5, "hexahedron": 1.0}
+
+
+@dataclass(frozen=True)
+class PartitionedMesh:
+    """A mesh with equal work on all ranks; unpacks as (mesh, cell_tags, facet_tags).
+
+    Attributes:
+        mesh: the mesh, without ghost cells.
+        cell_tags: tags of its cells; None if none were given.
+        facet_tags: tags of its facets; None if none were given.
+        work: of this rank: cost of the cells and slave nodes that it owns, in cells [1].
+        imbalance: how much the largest work exceeds the mean, over the mean; the same on all ranks [1].
+    """
+
+    mesh: Mesh
+    cell_tags: MeshTags | None
+    facet_tags: MeshTags | None
+    work: float
+    imbalance: float
+
+    def __iter__(self) -> Iterator[Any]:
+        return iter((self.mesh, self.cell_tags, self.facet_tags))
+
+
+def partition(
+    domain: Mesh,
+    cell_tags: MeshTags | None = None,
+    facet_tags: MeshTags | None = None,
+    slave: Sequence[int] = (),
+    node_cost: float = NODE_COST,
+    cell_cost: Cost | None = None,
+) -> PartitionedMesh:
+    """Share out the cells of a mesh anew, so that all ranks have equal work in explicit steps. Collective.
+
+    Cells are cut along the coordinates (docs/howto/many_ranks.md) into blocks of equal cost. The result has no ghost
+    cells, which explicit steps need for residuals with `ufl.dS` only.
+
+    Args:
+        domain: mesh, whatever its ghosts; it stays as it is.
+        cell_tags: tags of its cells, which come along.
+        facet_tags: tags of its facets, which come along.
+        slave: tags of facets whose nodes are slaves of a contact; of both surfaces where the contact is balanced.
+        node_cost: cost of a slave node over that of a cell of cost 1 [1].
+        cell_cost: cost of cells by their midpoints, (n, 3) -> (n), as where cells yield; None: 1 each [1].
+
+    Returns:
+        Mesh, tags, and the work of the ranks.
+
+    Raises:
+        TypeError: an argument is of the wrong type; on all ranks.
+        ValueError: tags are of another dimension or missing, costs are negative or not finite; on all ranks.
+    """
+    if not isinstance(domain, Mesh):
+        raise TypeError(f"partition takes a mesh of dolfinx.mesh, found {type(domain).__name__}")
+    tdim = domain.topology.dim
+    with guard(domain.comm, "partition", slave=slave, node_cost=node_cost) as ranks:
+        slave = [int(tag) for tag in slave]
+        for name, tags, dim in (("cell_tags", cell_tags, tdim), ("facet_tags", facet_tags, tdim - 1)):
+            if tags is not None and not isinstance(tags, MeshTags):
+                raise TypeError(f"{name} must be MeshTags or None, found {type(tags).__name__}")
+            if tags is not None and tags.dim != dim:
+                raise ValueError(f"{name} needs tags of dimension {dim}, found tags of dimension {tags.dim}")
+        if slave and facet_tags is None:
+            raise ValueError("slave = ...: give the facet_tags that these numbers are of")
+        if not (np.isfinite(node_cost) and node_cost >= 0.0):
+            raise ValueError(f"node_cost = {node_cost}: it is finite and not negative")
+        costs = _costs(domain, facet_tags, slave, float(node_cost), cell_cost)
+        ranks.same(cell_tags=cell_tags is None, facet_tags=facet_tags is None, cell_cost=cell_cost is None)
+    owned = np.arange(len(costs), dtype=np.int32)
+    parts = _on_one_rank(domain.comm, mesh.compute_midpoints(domain, tdim, owned), costs)
+    nodes = domain.geometry.index_map()
+    cells = nodes.local_to_global(compat.geometry_dofmap(domain)[: len(owned)].reshape(-1)).reshape(len(owned), -1)
+    made = mesh.create_mesh(
+        domain.comm,
+        cells,
+        x=domain.geometry.x[: nodes.size_local, : domain.geometry.dim],
+        e=domain.ufl_domain().ufl_coordinate_element(),  # a domain of its own: that of UFL knows one mesh only
+        partitioner=lambda *given: one_rank_each(parts),
+    )
+    new_cells, new_facets = (None if t is None else _move(domain, t, made) for t in (cell_tags, facet_tags))
+    work = _work(made, new_facets, slave, float(node_cost), cell_cost)
+    total, most = made.comm.allreduce(work, MPI.SUM), made.comm.allreduce(work, MPI.MAX)
+    return PartitionedMesh(made, new_cells, new_facets, work, most * made.comm.size / total - 1.0)
+
+
+def _cell_costs(domain: Mesh, cell_cost: Cost | None) -> FloatArray:
+    """Cost of owned cells, without contact."""
+    tdim = domain.topology.dim
+    num = domain.topology.index_map(tdim).size_local
+    if cell_cost is None:
+        return np.ones(num)
+    costs = np.asarray(cell_cost(mesh.compute_midpoints(domain, tdim, np.arange(num, dtype=np.int32))), dtype=float)
+    if costs.shape != (num,):
+        raise ValueError(f"cell_cost must return a value for each of {num} midpoints, found shape {costs.shape}")
+    if not np.all(np.isfinite(costs) & (costs >= 0.0)):
+        raise ValueError("cell_cost returned a value that is negative or not finite")
+    return costs
+
+
+def _slave_facets(facet_tags: MeshTags | None, slave: Sequence[int]) -> IntArray:
+    """Facets with one of these tags, as this rank knows them."""
+    if facet_tags is None or not slave:
+        return np.zeros(0, dtype=np.int32)
+    found: IntArray = facet_tags.indices[np.isin(facet_tags.values, slave)]
+    return found
+
+
+def _costs(
+    domain: Mesh, facet_tags: MeshTags | None, slave: Sequence[int], node_cost: float, cell_cost: Cost | None
+) -> FloatArray:
+    """Cost of owned cells; those at slave facets have that of the facets' nodes."""
+    topology, tdim = domain.topology, domain.topology.dim
+    costs = _cell_costs(domain, cell_cost).copy()
+    if slave:
+        topology.create_connectivity(tdim - 1, tdim)
+        to_cells = topology.connectivity(tdim - 1, tdim)
+        cells = to_cells.array[to_cells.offsets[_slave_facets(facet_tags, slave)]]
+        cell = compat.cell_name(domain.ufl_domain())
+        np.add.at(costs, cells[cells < len(costs)], node_cost * _NODES_PER_FACET[cell])
+    return costs
+
+
+def _on_one_rank(comm: MPI.Comm, middles: FloatArray, costs: FloatArray) -> IntArray:
+    """Ranks of this rank's cells; the cuts are made on rank 0, which needs 36 B for each cell of the mesh."""
+    counts: list[int] | None = comm.gather(len(costs), root=0)
+    rows, mine = np.column_stack([middles, costs]), np.empty(len(costs), dtype=np.int32)
+    if counts is None:
+        comm.Gatherv(rows, None, root=0)
+        comm.Scatterv(None, mine, root=0)
+        return mine
+    all_rows = np.empty((sum(counts), 4))
+    comm.Gatherv(rows, [all_rows, [4 * n for n in counts]], root=0)
+    comm.Scatterv([bisect(all_rows[:, :3], all_rows[:, 3], comm.size), counts], mine, root=0)
+    return mine
+
+
+def _move(domain: Mesh, tags: MeshTags, made: Mesh) -> MeshTags:
+    """Tags of a mesh on the same mesh with other owners of its cells."""
+    dim = tags.dim
+    domain.topology.create_connectivity(dim, domain.topology.dim)
+    domain.topology.create_connectivity(dim, 0)
+    chosen = tags.indices < domain.topology.index_map(dim).size_local
+    places = mesh.entities_to_geometry(domain, dim, tags.indices[chosen])
+    nodes = domain.geometry.index_map().local_to_global(places.reshape(-1)).reshape(places.shape)
+    vertices, values = io.distribute_entity_data(made, dim, nodes, tags.values[chosen])
+    made.topology.create_connectivity(dim, 0)
+    made.topology.create_connectivity(dim, made.topology.dim)
+    out = mesh.meshtags_from_entities(made, dim, compat.adjacencylist(vertices), values)
+    out.name = tags.name
+    return out
+
+
+def _work(
+    domain: Mesh, facet_tags: MeshTags | None, slave: Sequence[int], node_cost: float, cell_cost: Cost | None
+) -> float:
+    """Cost of the cells and slave nodes that this rank owns. Collective."""
+    facets, topology = _slave_facets(facet_tags, slave), domain.topology
+    topology.create_connectivity(topology.dim - 1, 0)
+    to_vertices = topology.connectivity(topology.dim - 1, 0)
+    is_slave = la.vector(topology.index_map(0))
+    per_facet = to_vertices.offsets[1] if len(to_vertices.offsets) > 1 else 1
+    is_slave.array[to_vertices.array.reshape(-1, per_facet)[facets].reshape(-1)] = 1.0
+    is_slave.scatter_reverse(la.InsertMode.add)
+    num_slaves = np.count_nonzero(is_slave.array[: topology.index_map(0).size_local])
+    return float(_cell_costs(domain, cell_cost).sum() + node_cost * num_slaves)

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: MIT
+"""Meshes shared out anew: the same mesh with the same tags, and equal work, by what the ranks compute. See
+on_ranks.py."""
+
+import numpy as np
+import pytest
+import ufl
+from dolfinx import fem, mesh
+from mpi4py import MPI
+from partitioned_bodies import scattered
+
+import dolfinx_impact as di
+from dolfinx_impact import meshes
+from dolfinx_impact.assembly.ffcx_form import ffcx_form
+
+COMM = MPI.COMM_WORLD
+NODE_COST = 3.0
+BALANCED = 0.10  # the largest work over the mean, less one: what a step may lose to waiting
+SIZE = {"lower": (1.1, 1.1, 0.5), "upper": (1.0, 1.0, 0.5)}
+
+
+def blocks(cell="hexahedron", degree=1, n=10, **options):
+    """Two blocks of n x n x n/2 cells each, of which the upper one's lower face is the slave."""
+    counts = {"lower_cells": (n, n, n // 2), "upper_cells": (n, n, n // 2)}
+    return meshes.make("two_blocks", COMM, cell=cell, degree=degree, gap=0.01, **SIZE, **counts, **options)
+
+
+def measures(domain, cell_tags, facet_tags):
+    """Volume and area by tag, and their first moments, of all ranks."""
+    x, found = ufl.SpatialCoordinate(domain), {}
+    for kind, tags in (("dx", cell_tags), ("ds", facet_tags)):
+        for tag in sorted(set().union(*COMM.allgather(set(tags.values.tolist())))):
+            measure = getattr(ufl, kind)(domain=domain, subdomain_data=tags)(tag)
+            for integrand in (fem.Constant(domain, 1.0), x[0] + 2 * x[1] + 3 * x[2]):
+                value = fem.assemble_scalar(ffcx_form(integrand * measure))
+                found.setdefault((kind, tag), []).append(COMM.allreduce(value))
+    return found
+
+
+def check_mesh_and_tags_come_along():
+    """Volumes, areas and centroids by tag, of hexahedra and of curved-sided tetrahedra, to round-off of sums."""
+    for cell, degree in (("hexahedron", 1), ("tetrahedron", 2)):
+        made = blocks(cell, degree, 6, **({"partitioner": scattered(4)} if COMM.size > 1 else {}))
+        shared = di.partition(made.mesh, made.cell_tags, made.facet_tags)
+        domain, cells, facets = shared
+        assert isinstance(shared, di.PartitionedMesh)
+        assert domain.topology.index_map(3).size_global == made.mesh.topology.index_map(3).size_global
+        assert domain.topology.index_map(3).num_ghosts == 0
+        assert domain.geometry.index_map().size_global == made.mesh.geometry.index_map().size_global
+        before, after = (measures(*m) for m in ((made.mesh, made.cell_tags, made.facet_tags), (domain, cells, facets)))
+        assert before.keys() == after.keys() and cells.name == made.cell_tags.name
+        for key, values in before.items():
+            assert np.allclose(after[key], values, rtol=1e-12), key
+
+
+def contact_run(domain, facet_tags, tags):
+    """Some steps of the upper block, which slides on the lower one with friction."""
+    V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
+    pair = di.ContactPair(facet_tags, slave=tags["slave_surface"], master=tags["master_surface"], friction=0.3)
+    velocity = fem.Function(V)
+    velocity.interpolate(lambda x: np.where(x[2] > 0.505, 1.0, 0.0) * np.array([[1.0], [0.3], [-2.0]]))
+    law = di.LinearElastic(1e3, 0.3, 1.0, "3d")
+    problem = di.ExplicitProblem(fem.Function(V), law, velocity=velocity, contact=[di.Penalty(pair)])
+    problem.advance(0.02, progress=False)
+    return problem
+
+
+def work_of(problem):
+    """Cells that this rank's kernels compute in a step, and what its slave nodes cost beside them."""
+    parts = [part._cpp_object for part in problem._bodies.internal._parts]
+    per_cell = problem._bodies.internal._parts[0]._kernels[0].flops
+    return sum(part.flops for part in parts) / per_cell + NODE_COST * len(problem.contact[0].nodes)
+
+
+def imbalance(work):
+    """Largest over the mean, less one."""
+    return COMM.allreduce(work, MPI.MAX) * COMM.size / COMM.allreduce(work) - 1.0
+
+
+def check_equal_work():
+    """Ranks compute equal numbers of cells and slave nodes, as `imbalance` says; the run is the same."""
+    made = blocks(n=10 if COMM.size < 8 else 16)  # a node that one rank or another owns is 4 % of 60 cells
+    shared = di.partition(made.mesh, None, made.facet_tags, slave=[made.tags["slave_surface"]], node_cost=NODE_COST)
+    problem, before = (contact_run(m, t, made.tags) for m, t in (
+        (shared.mesh, shared.facet_tags), (made.mesh, made.facet_tags)))  # fmt: skip
+    assert shared.cell_tags is None and work_of(problem) == pytest.approx(shared.work, rel=1e-12)
+    assert imbalance(work_of(problem)) == pytest.approx(shared.imbalance, abs=1e-12) and shared.imbalance < BALANCED
+    # Sums in another order: round-off of 100 steps, 1e-14 each, of nodes that part and meet a few times.
+    assert np.allclose(problem.contact[0].force, before.contact[0].force, rtol=1e-9)
+    assert problem.energy["kinetic"] == pytest.approx(before.energy["kinetic"], rel=1e-9)
+
+
+def check_dear_cells():
+    """A cost of cells counts: where it is ten, ranks have fewer of them."""
+    domain = mesh.create_unit_square(COMM, 24, 24)
+    shared = di.partition(domain, cell_cost=lambda x: np.where(x[:, 0] < 0.25, 10.0, 1.0))
+    middles = mesh.compute_midpoints(shared.mesh, 2, np.arange(shared.mesh.topology.index_map(2).size_local))
+    assert shared.work == pytest.approx(np.where(middles[:, 0] < 0.25, 10.0, 1.0).sum(), rel=1e-14)
+    assert shared.imbalance < BALANCED and shared.mesh.geometry.dim == 2
+
+
+def check_bad_arguments():
+    """Are refused on all ranks."""
+    domain = mesh.create_unit_square(COMM, 4, 4)
+    facets = mesh.meshtags(domain, 1, np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32))
+    for error, words, given in (
+        (TypeError, "MeshTags", {"cell_tags": 3}),
+        (ValueError, "dimension 2", {"cell_tags": facets}),
+        (ValueError, "facet_tags", {"slave": [1]}),
+        (ValueError, "node_cost", {"node_cost": -1.0}),
+        (ValueError, "negative", {"cell_cost": lambda x: -np.ones(len(x))}),
+        (ValueError, "midpoints", {"cell_cost": lambda x: np.ones(3)}),
+    ):
+        with pytest.raises(error, match=words):
+            di.partition(domain, **given)
+    with pytest.raises(TypeError, match="mesh"):
+        di.partition(None)
