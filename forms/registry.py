@@ -35,6 +35,7 @@ __all__ = [
     "CELLS",
     "DEGREES",
     "FORMS",
+    "IN_FLOAT",
     "LAW_FORMS",
     "NAMES",
     "SCALAR",
@@ -126,3 +127,9 @@ def _table() -> tuple[Row, ...]:
 
 
 TABLE = _table()
+# Rows whose kernels exist in single precision, too.
+IN_FLOAT = tuple(
+    row
+    for row in TABLE
+    if row.name in ("linear_elastic.force", "neo_hookean.force") and row.hypothesis == "3d" and row.geometry_degree == 1
+)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Build driver: writes the C++ sources of the registry's table into a folder, and the table itself.
 
-Usage: python3 -m forms.compiler.build --list | --list-vectors | --output DIR
+Usage: python3 -m forms.compiler.build --list | --list-vectors | --list-floats | --output DIR
 """
 
 import argparse
 import multiprocessing
 from pathlib import Path
 
-from ..registry import TABLE
-from . import emit, frontend
+from ..registry import IN_FLOAT, TABLE
+from . import emit, float_source, frontend
 
 
 def _write(path, text):
@@ -25,6 +25,8 @@ def _generate(job):
     integrals = frontend.form_integrals(built.form, row.name, built.names, row.hypothesis, built.law)
     text, names = emit.source(integrals, row.symbol)
     _write(folder / f"{row.symbol}.cpp", text)
+    if row in IN_FLOAT:
+        _write(folder / f"{row.symbol}_float.cpp", float_source.source(integrals[0], names[0]))
     return names
 
 
@@ -47,6 +49,7 @@ def generate(folder):
     with multiprocessing.Pool(min(2, multiprocessing.cpu_count())) as pool:
         names = [n for group in pool.map(_generate, jobs, chunksize=4) for n in group]
     _write(folder / "table.cpp", table_source(names))
+    _write(folder / "float_table.cpp", float_source.table_source([f"{row.symbol}_0" for row in IN_FLOAT]))
     (folder / "stamp").write_text("generated\n")
     return names
 
@@ -55,16 +58,19 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--list", action="store_true", help="print the file names and stop")
     parser.add_argument("--list-vectors", action="store_true", help="the same of kernels that have several lanes")
+    parser.add_argument("--list-floats", action="store_true", help="those of kernels in single precision")
     parser.add_argument("--output", help="folder for the sources")
     args = parser.parse_args()
-    if args.list or args.list_vectors:
+    if args.list_floats:
+        print(";".join(f"{row.symbol}_float.cpp" for row in IN_FLOAT), end="")
+    elif args.list or args.list_vectors:
         # Kernels of matrices are called for one cell at a time: with several lanes their files are empty.
         rows = [row for row in TABLE if args.list or len(row.build().form.arguments()) < 2]
         print(";".join(f"{row.symbol}.cpp" for row in rows), end="")
     elif args.output:
         generate(args.output)
     else:
-        parser.error("--list, --list-vectors or --output is needed")
+        parser.error("--list, --list-vectors, --list-floats or --output is needed")
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@
 #include "../kernels/check.h"
 #include "lanes.h"
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <dolfinx/fem/DofMap.h>
 #include <dolfinx/mesh/cell_types.h>
@@ -337,6 +338,27 @@ void Batches::read_positions(const NodePositions* positions)
   _x.gather = gather(_width, 3, readable ? 4 : 3);
 }
 
+void Batches::set_mixed()
+{
+  const impact_float_kernel* kernel = kernels::find_float(*_kernel);
+  if (!kernel)
+    throw std::invalid_argument(std::string("kernel ") + _kernel->name + " does not exist in float: precision=" +
+                                "'mixed' is for LinearElastic and NeoHookean with integration='full' on straight " +
+                                "hexahedra and tetrahedra");
+  if (!_coefficients[0].as_test)
+    throw std::invalid_argument(std::string("kernel ") + _kernel->name + " in float reads and tests with one space");
+  if (_num_entities == 0)
+    return; // all the same: nothing is computed
+  // The largest extent of the first cell, of a mesh whose cells are of a size: only the order of magnitude counts.
+  const std::span<const double> x = _mesh->geometry().x();
+  double size = 0.0;
+  for (int i = 1; i < _x.num_nodes; ++i)
+    for (int k = 0; k < 3; ++k)
+      size = std::max(size, std::abs(x[3 * _x.dofs[i * _width] + k] - x[3 * _x.dofs[0] + k]));
+  const FloatCells::Nodes nodes{_test.dofs, _test.num_nodes, _width}, mesh_nodes{_x.dofs, _x.num_nodes, _width};
+  _float_cells.set(FloatCells(*kernel, _num_entities, nodes, mesh_nodes, size));
+}
+
 bool Batches::has(const std::string& name) const
 {
   return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.name == name; });
@@ -401,6 +423,14 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
 double Batches::run(double* b, int stride) const
 {
   const impact_kernel& k = *_kernel;
+  if (_float_cells)
+  {
+    const Array& a = _coefficients[0];
+    const NodeValues positions{_x.values ? _x.values : _mesh->geometry().x().data(), _x.values ? 4 : 3};
+    _float_cells->run(positions, _x.as_test, {a.values ? a.values : a.function->x()->array().data(), a.stride},
+                      _constants.data(), b, stride);
+    return 0.0;
+  }
   const std::size_t size_A = std::size_t(k.shape[0]) * _width;
   double* A = aligned(_buffer.data());
   double* w = A + whole_lines(std::size_t(k.size_A) * _width);

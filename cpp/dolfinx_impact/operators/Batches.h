@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "../kernels/Kernel.h"
+#include "FloatCells.h"
 #include "NodePositions.h"
 #include "PointHistory.h"
 #include "gather.h"
@@ -95,6 +96,9 @@ public:
   /// Read the positions of nodes from here, if they are by the mesh's nodes or by those of the test space; null: from
   /// the mesh again.
   void read_positions(const NodePositions* positions);
+  /// Compute the element vectors in float from now on (FloatCells.h).
+  /// @throws std::invalid_argument if there is no kernel in float for them
+  void set_mixed();
   int block_size() const { return _test.block_size; } ///< of the test space
   /// Internal variables; null for a kernel without outputs.
   const std::shared_ptr<PointHistory>& history() const { return _history; }
@@ -133,6 +137,7 @@ private:
   scatter_function _scatter = nullptr, _padded_scatter = nullptr;
   sweep_function _sweep = nullptr;      ///< over padded arrays, for kernels that it is right for; null for others
   impact_sweep _kernel_sweep = nullptr; ///< the kernel's own, instead of that, where positions have the same nodes
+  OptionalFloatCells _float_cells;      ///< none: all is computed in double
   std::vector<Array> _coefficients;
   std::size_t _at_nodes = 0; ///< the first one that is gathered from nodes
   std::vector<double> _constants;

@@ -50,6 +50,14 @@ public:
       batches.read_positions(positions);
   }
 
+  /// Compute the element vectors of all integrals in float from now on (FloatCells.h).
+  /// @throws std::invalid_argument if a kernel does not exist in float
+  void set_mixed()
+  {
+    for (Batches& batches : _batches)
+      batches.set_mixed();
+  }
+
   /// Compute averages at the nodes, which kernels read, before every evaluation; assemble and value are then
   /// collective.
   /// @param[in] average what is computed

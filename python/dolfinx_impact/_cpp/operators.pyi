@@ -87,6 +87,9 @@ class InternalForce_float64:
         """Internal variables of an integral, or None"""
 
     def set_in_place(self, in_place: bool) -> None: ...
+    def set_mixed(self) -> None:
+        """Compute element vectors in float from now on"""
+
     def sum(self, name: str) -> float:
         """Of this rank's cells, in the last evaluation"""
 

@@ -493,6 +493,7 @@ class SplitForce(Described):
         displacement: coefficient that the integrator sets to the displacement; None: the form has none.
         velocity: coefficient that the integrator sets to the velocity; None: the form has none.
         law: as for InternalForce; each evaluation ends a step, internal variables are overwritten in place.
+        mixed: whether the element vectors are computed in float.
 
     Attributes:
         history: internal variables of both parts, `PointHistory`; empty without a law.
@@ -504,11 +505,14 @@ class SplitForce(Described):
         displacement: Function | None = None,
         velocity: Function | None = None,
         law: Laws | None = None,
+        mixed: bool = False,
     ) -> None:
         self._parts = [InternalForce(form, part=part, law=law) for part in ("inner", "outer")]
         self.history = self._parts[0].history + self._parts[1].history
         for part in self._parts:
             part._cpp_object.set_in_place(True)
+            if mixed:
+                part._cpp_object.set_mixed()
         compiled, coefficients = self._parts[0].compiled, self._parts[0].coefficients
         self._names = {id(f): name for name, f in coefficients.items()}
         self._given = displacement, velocity

@@ -45,6 +45,7 @@ from .in_time import contacts_in_time, prescribed_motion
 from .hourglass import HourglassEnergy
 from .inputs import Inputs
 from .penetration_share import PenetrationShare
+from .precision import DOUBLE, MIXED, check_precision
 from .read_once import ReadOnce
 from .recorder import Recorder, check_arguments
 from .restart import Restart
@@ -98,6 +99,8 @@ class ExplicitProblem(TransientProblem):
         tangent: for a residual of your own: its derivative, a UFL form of rank 2, from which the stable step follows;
             None: UFL finds it. Needed where the residual reads a stress that a callback computes, as a function at
             quadrature points. The elastic tangent will do where the true one is never stiffer.
+        precision: "double"; or "mixed", element forces of LinearElastic and NeoHookean in single precision, on twice
+            the cells at once, all else in double (docs/mixed_precision.md).
 
     Attributes:
         u: displacement at the present time [L].
@@ -106,6 +109,7 @@ class ExplicitProblem(TransientProblem):
         contact: contacts with results.
         mass: lumped mass per degree of freedom [M].
         added_mass: mass that mass scaling has added, of all ranks [M].
+        precision: of the element forces, "double" or "mixed".
         bulk_viscosity: factors (linear, quadratic) in force [1].
         residual_form: residual of your own, or None.
         given_density: density given with it, or None [M/L^3].
@@ -145,6 +149,7 @@ class ExplicitProblem(TransientProblem):
         mass_scaling: float | None = None,
         hypothesis: str | None = None,
         tangent: ufl.Form | None = None,
+        precision: str = DOUBLE,
     ) -> None:
         with guard(comm_of(u, velocity, residual, bcs, material, loads, contact), "ExplicitProblem") as ranks:
             if residual is not None and density is None:
@@ -167,8 +172,9 @@ class ExplicitProblem(TransientProblem):
                 raise TypeError(f"damping must be Rayleigh(alpha, beta) or None, found {type(damping).__name__}")
             if scheme not in ("half_step", "classical"):
                 raise ValueError(f"scheme {scheme!r} is unknown: use 'half_step' or 'classical'")
+            check_precision(precision, u, material)
             ranks.same(**given, density=density, damping=damping, bulk_viscosity=bulk_viscosity, scheme=scheme,
-                       lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis,
+                       precision=precision, lumping=lumping, mass_scaling=mass_scaling, hypothesis=hypothesis,
                        velocity_given=velocity is not None)  # fmt: skip
         velocity = velocity_or_rest(velocity, u)
         self.u, self.space, self.material = u, u.function_space, material
@@ -177,7 +183,7 @@ class ExplicitProblem(TransientProblem):
         self.comm, self.num_owned = mesh.comm, V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         free_garbage(self.comm, V.dofmap.index_map.size_global * V.dofmap.index_map_bs)
         self.damping, self.scheme = damping or Rayleigh(), scheme
-        self.lumping, self.mass_scaling = lumping, mass_scaling
+        self.lumping, self.mass_scaling, self.precision = lumping, mass_scaling, precision
         self.loads, self.residual_form, self.given_density = tuple(loads), residual, density
         check_cells(mesh)
         if residual is not None and has_interior_facets(residual):
@@ -187,7 +193,17 @@ class ExplicitProblem(TransientProblem):
             warn_of_locking(u, material)
             warn_of_softening(u, material)
         self._bodies = bodies = ExplicitBodies(
-            u, velocity, material, residual, tangent, own, hypothesis, self.loads, scheme, lumping
+            u,
+            velocity,
+            material,
+            residual,
+            tangent,
+            own,
+            hypothesis,
+            self.loads,
+            scheme,
+            lumping,
+            mixed=precision == MIXED,
         )
         self.axisymmetric = bodies.hypothesis == "axisymmetric"
         self._frequencies = bodies.frequencies

@@ -49,6 +49,8 @@ class ExplicitBodies(Described):
         hypothesis: of a residual of one's own.
         loads: loads; foundations and added masses count here.
         scheme: scheme of the integrator.
+        lumping: lumping scheme.
+        mixed: whether element forces of the material are computed in float.
 
     Attributes:
         bodies: material, or bodies of a residual.
@@ -82,6 +84,7 @@ class ExplicitBodies(Described):
         loads: Sequence[Load],
         scheme: str,
         lumping: str,
+        mixed: bool = False,
     ) -> None:
         V, mesh = u.function_space, u.function_space.mesh
         self.u, self.loads, self._lumping, self._scheme = u, loads, lumping, scheme
@@ -137,7 +140,7 @@ class ExplicitBodies(Described):
         # Internal variables may change the stiffness by a third within 100 steps.
         self.periodic = any(c is velocity for c in read)
         self.periodic = self.periodic or (deforms and (not self.watched or self.parts is not None))
-        self.internal = operators.SplitForce(internal, u, law=self._laws)
+        self.internal = operators.SplitForce(internal, u, law=self._laws, mixed=mixed)
         self.terms: list[operators.SplitForce] = [self.internal]
         self._kinds: list[_cpp.integrators.WorkKind] = []
         if resisting is None:

@@ -24,6 +24,7 @@ from . import (
     force,
     laws,
     many_ranks,
+    mixed,
     one_point,
     plastic,
     ratio_history,
@@ -73,7 +74,8 @@ def jobs(bandwidth: float, peak: float, large: bool = False, ranks: int = 0) -> 
         A text and a function that returns rows, for each measurement.
     """
     out = force.jobs(bandwidth, peak) + laws.jobs() + force.rank_jobs()
-    out += explicit.jobs(large, ranks) + one_point.jobs() + plastic.jobs(large) + averaged.jobs(large) + statics.jobs()
+    out += explicit.jobs(large, ranks) + mixed.jobs() + one_point.jobs()
+    out += plastic.jobs(large) + averaged.jobs(large) + statics.jobs()
     return out + contact_rows.jobs(large) + rolling.jobs(large) + many_ranks.jobs(large)
 
 

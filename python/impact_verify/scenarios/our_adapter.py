@@ -86,8 +86,9 @@ def problem_of(case: Scenario) -> Problem:
     material, damping = cast(_Material, body.material), materials.Rayleigh(*case.damping)
     if isinstance(scheme, Explicit):
         return ExplicitProblem(
-            u, material, **given, scheme=scheme.velocities, damping=damping, bulk_viscosity=scheme.viscosity
-        )
+            u, material, **given, scheme=scheme.velocities, damping=damping, bulk_viscosity=scheme.viscosity,
+            precision=scheme.precision,
+        )  # fmt: skip
     return NewmarkProblem(
         u, material, **given, lumping=scheme.lumping, damping=damping if any(case.damping) else None,
         impact=scheme.impact, options={"contact_tolerance": VIOLATION} if contacts else None, **scheme.parameters,

@@ -26,10 +26,12 @@ class Explicit:
     Args:
         velocities: "half_step" or "classical".
         viscosity: linear and quadratic bulk viscosity; None for none [1].
+        precision: of our side's element forces, of ExplicitProblem.
     """
 
     velocities: str = "half_step"
     viscosity: tuple[float, float] | None = None
+    precision: str = "double"
 
 
 @dataclass(frozen=True)

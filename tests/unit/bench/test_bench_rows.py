@@ -17,6 +17,7 @@ from impact_studies.bench import explicit as bench_explicit
 from impact_studies.bench import force
 from impact_studies.bench import laws as bench_laws
 from impact_studies.bench import many_ranks as bench_many_ranks
+from impact_studies.bench import mixed as bench_mixed
 from impact_studies.bench import one_point as bench_one_point
 from impact_studies.bench import plastic as bench_plastic
 from impact_studies.bench import rolling as bench_rolling
@@ -105,7 +106,7 @@ def test_rows_are_printed_as_they_come():
 def test_jobs_are_all_measurements():
     """A job per case, so that the bar moves; what the options add."""
     small, large = bench_command.jobs(1e10, 1e9), bench_command.jobs(1e10, 1e9, large=True, ranks=2)
-    files = (bench_explicit, bench_one_point, bench_averaged, bench_plastic, bench_laws, bench_statics)
+    files = (bench_explicit, bench_mixed, bench_one_point, bench_averaged, bench_plastic, bench_laws, bench_statics)
     contact = bench_contact.jobs(False) + bench_rolling.jobs(False) + bench_many_ranks.jobs(False)
     forces = len(CASES) + 2 * len(FINITE) + len(force.RANK_CELLS)
     assert len(small) == forces + sum(len(file.jobs()) for file in files) + len(contact)

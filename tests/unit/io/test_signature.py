@@ -202,6 +202,7 @@ ROWS = {
         "u": STATE, "material": ELSEWHERE, "residual": ELSEWHERE, "density": ELSEWHERE, "velocity": STATE,
         "bcs": [], "loads": [], "contact": [], "damping": None, "bulk_viscosity": (0.06, 1.2),
         "scheme": ELSEWHERE, "lumping": ELSEWHERE, "mass_scaling": 1e-2, "hypothesis": ELSEWHERE, "tangent": NO_MATTER,
+        "precision": ELSEWHERE,  # of 3D bodies: tests/unit/dynamics/test_precision.py
     }),
     IMPLICIT: ({}, {
         "u": STATE, "material": ELSEWHERE, "residual": ELSEWHERE, "density": ELSEWHERE, "velocity": STATE,
