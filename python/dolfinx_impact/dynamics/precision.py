@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dolfinx import fem
 
+from .. import compat
 from ..materials import FULL, LinearElastic, Material, NeoHookean
 
 DOUBLE, MIXED = "double", "mixed"
@@ -37,11 +38,11 @@ def check_precision(precision: str, u: fem.Function, material: Material | None) 
             f"large numbers{instead}"
         )
     mesh = u.function_space.mesh
-    cell = mesh.topology.cell_name()
-    if cell not in ("hexahedron", "tetrahedron") or mesh.geometry.cmap.degree != 1:
+    cell, degree = mesh.topology.cell_name(), int(compat.coordinate_element(mesh).degree)
+    if cell not in ("hexahedron", "tetrahedron") or degree != 1:
         raise ValueError(
             f"precision={MIXED!r} is for hexahedra and tetrahedra with straight edges, found {cell} cells of geometry "
-            f"degree {mesh.geometry.cmap.degree}{instead}"
+            f"degree {degree}{instead}"
         )
     for _, m in material.parts():
         if type(m) not in (LinearElastic, NeoHookean):

@@ -154,8 +154,9 @@ def signature(problem: Problem, x: FloatArray) -> Signature:
     for name in ("bulk_viscosity", "lumping", "mass_scaling", "impact"):
         given.add(name, getattr(problem, name, None))
     given.add("scheme", problem.scheme)
-    if getattr(problem, "precision", "double") != "double":  # older checkpoints, of double precision, do not name it
-        out["scheme"] = f"{out['scheme']}, {problem.precision} precision"
+    precision = getattr(problem, "precision", "double")
+    if precision != "double":  # older checkpoints, which are all of double precision, do not name it
+        out["scheme"] = f"{out['scheme']}, {precision} precision"
     out["loads"] = ", ".join(type(load).__name__ for load in problem.loads)
     for k, load in enumerate(problem.loads):
         given.add_load(f"loads[{k}]", load)
