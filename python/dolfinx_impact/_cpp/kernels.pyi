@@ -7,7 +7,7 @@ import dolfinx.cpp
 import numpy
 from numpy.typing import NDArray
 
-ABI: int = 2
+ABI: int = 3
 
 class Kernel:
     """A compiled integral"""
