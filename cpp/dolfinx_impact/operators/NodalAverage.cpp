@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodalAverage.h"
 #include "../common/dolfinx_api.h"
-#include "cell_ghosts.h"
 #include <algorithm>
 #include <stdexcept>
 #include <utility>
@@ -11,7 +10,7 @@ namespace dolfinx_impact::operators
 NodalAverage::NodalAverage(std::shared_ptr<InternalForce> measure, const InternalForce& volume,
                            std::shared_ptr<Function> average, std::string displacement)
     : _measure(std::move(measure)), _average(std::move(average)), _displacement(std::move(displacement)),
-      _halo(_average->function_space()->dofmap()->index_map, cell_ghosts(*_average->function_space()))
+      _halo(_average->function_space()->dofmap()->index_map)
 {
   if (_measure->test_space() != _average->function_space() || volume.test_space() != _average->function_space())
     throw std::invalid_argument("measure, volume and average must have one space");

@@ -21,7 +21,7 @@ public:
   /// Collective.
   /// @param[in] measure integral of m times the test function
   /// @param[in] volume integral of the test function over the same cells; evaluated once
-  /// @param[in] average function on their space that receives the averages, at the nodes of this rank's cells
+  /// @param[in] average function on their space that receives the averages, owned and ghosts
   /// @param[in] displacement name of the displacement in the kernels of `measure`
   /// @throws std::invalid_argument if the three have different spaces
   NodalAverage(std::shared_ptr<InternalForce> measure, const InternalForce& volume, std::shared_ptr<Function> average,

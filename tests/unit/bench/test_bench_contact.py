@@ -10,10 +10,11 @@ pytestmark = pytest.mark.alone
 
 def test_rows_of_the_benchmark():
     rows = bench_contact.contact_rows((("small", "quadrilateral", 0.3, 3.0),))
-    solve, share, count = rows
+    solve, share, count, memory = rows
     assert all(r["ratio"] == pytest.approx(r["value"] / r["baseline"]) for r in rows)
     assert solve["name"] == "static contact solve / tied linear solve" and solve["value"] > solve["baseline"] > 0
     assert share["baseline"] == solve["value"] and 0 < share["ratio"] < 1
+    assert 0.05 < memory["value"] < memory["baseline"] == bench_contact.MEMORY  # of this process [GB]
     assert 1 <= count["value"] <= 5 and count["baseline"] > 1  # iterations, nodes in contact
 
 
