@@ -11,10 +11,12 @@ struct Lanes
 {
   typedef float type __attribute__((vector_size(N * sizeof(float))));
 };
+/// Integers of the size of the lanes. Sums of the bits of any number are to be defined, so they are unsigned.
 template <typename T>
 struct BitsOf
 {
-  typedef int type __attribute__((vector_size(sizeof(T))));
+  typedef unsigned type __attribute__((vector_size(sizeof(T))));
+  typedef int with_sign __attribute__((vector_size(sizeof(T))));
 };
 
 template <typename T>
@@ -33,7 +35,7 @@ namespace math
 template <typename T>
 inline T abs(T x)
 {
-  return __builtin_bit_cast(T, __builtin_bit_cast(typename BitsOf<T>::type, x) & 0x7fffffff);
+  return __builtin_bit_cast(T, __builtin_bit_cast(typename BitsOf<T>::type, x) & 0x7fffffffu);
 }
 
 /// Natural logarithm within two units in the last place (Cephes, logf: S. L. Moshier); not a number for x <= 0, of
@@ -43,10 +45,9 @@ inline T log(T x)
 {
   typedef typename BitsOf<T>::type Integers;
   // x = 2^exponent m with m between sqrt(1/2) and sqrt(2)
-  const Integers bits = __builtin_bit_cast(Integers, x) - 0x3f3504f3;
-  const Integers exponent = bits >> 23;
-  const T m = __builtin_bit_cast(T, (bits & 0x007fffff) + 0x3f3504f3);
-  const T e = __builtin_convertvector(exponent, T);
+  const Integers bits = __builtin_bit_cast(Integers, x) - 0x3f3504f3u;
+  const T m = __builtin_bit_cast(T, (bits & 0x007fffffu) + 0x3f3504f3u);
+  const T e = __builtin_convertvector(__builtin_bit_cast(typename BitsOf<T>::with_sign, bits) >> 23, T);
   const T f = m - 1.0f, z = f * f;
   T y = 7.0376836292e-2f * f - 1.1514610310e-1f;
   y = y * f + 1.1676998740e-1f;

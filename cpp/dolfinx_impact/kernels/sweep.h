@@ -28,6 +28,15 @@ struct Columns
   Column c[N];
 };
 
+/// The four columns of the matrix with these rows.
+IMPACT_ALWAYS_INLINE Columns<4> transposed(Column r0, Column r1, Column r2, Column r3)
+{
+  const Column a = __builtin_shufflevector(r0, r1, 0, 4, 2, 6), b = __builtin_shufflevector(r0, r1, 1, 5, 3, 7);
+  const Column c = __builtin_shufflevector(r2, r3, 0, 4, 2, 6), d = __builtin_shufflevector(r2, r3, 1, 5, 3, 7);
+  return {{__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
+           __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)}};
+}
+
 template <int BS>
 IMPACT_ALWAYS_INLINE Columns<BS> gather4(const double* values, const int* nodes)
 {
@@ -37,12 +46,8 @@ IMPACT_ALWAYS_INLINE Columns<BS> gather4(const double* values, const int* nodes)
 #pragma GCC unroll 4
     for (int l = 0; l < 4; ++l)
       r[l] = *reinterpret_cast<const Row*>(values + 4 * static_cast<long long>(nodes[l]));
-    const Column a = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6),
-                 b = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
-    const Column c = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6),
-                 d = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
-    return {{__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
-             __builtin_shufflevector(a, c, 2, 3, 6, 7)}};
+    const Columns<4> t = transposed(r[0], r[1], r[2], r[3]);
+    return {{t.c[0], t.c[1], t.c[2]}};
   }
   else
   {
@@ -60,24 +65,20 @@ IMPACT_ALWAYS_INLINE Columns<BS> gather4(const double* values, const int* nodes)
 template <int BS>
 IMPACT_ALWAYS_INLINE void scatter4(double* result, const int* nodes, const Columns<BS>& f)
 {
-  const Column a = __builtin_shufflevector(f.c[0], f.c[1], 0, 4, 2, 6),
-               b = __builtin_shufflevector(f.c[0], f.c[1], 1, 5, 3, 7);
   if constexpr (BS == 3)
   {
-    const Column zero{};
-    const Column c = __builtin_shufflevector(f.c[2], zero, 0, 4, 2, 6),
-                 d = __builtin_shufflevector(f.c[2], zero, 1, 5, 3, 7);
-    const Column rows[4] = {__builtin_shufflevector(a, c, 0, 1, 4, 5), __builtin_shufflevector(b, d, 0, 1, 4, 5),
-                            __builtin_shufflevector(a, c, 2, 3, 6, 7), __builtin_shufflevector(b, d, 2, 3, 6, 7)};
+    const Columns<4> rows = transposed(f.c[0], f.c[1], f.c[2], Column{});
 #pragma GCC unroll 4
     for (int l = 0; l < 4; ++l)
     {
       Row& node = *reinterpret_cast<Row*>(result + 4 * static_cast<long long>(nodes[l]));
-      node = node + rows[l];
+      node = node + rows.c[l];
     }
   }
   else
   {
+    const Column a = __builtin_shufflevector(f.c[0], f.c[1], 0, 4, 2, 6),
+                 b = __builtin_shufflevector(f.c[0], f.c[1], 1, 5, 3, 7);
     const Pair rows[4] = {__builtin_shufflevector(a, a, 0, 1), __builtin_shufflevector(b, b, 0, 1),
                           __builtin_shufflevector(a, a, 2, 3), __builtin_shufflevector(b, b, 2, 3)};
 #pragma GCC unroll 4

@@ -5,7 +5,6 @@ A round body is pressed on a flat one without friction, in one load step from fi
 solves run in the same process with the same linear solver and tolerance.
 """
 
-import resource
 import time
 from collections.abc import Sequence
 from functools import partial
@@ -22,6 +21,7 @@ from dolfinx_impact.contact.mortar.lagrange import Lagrange, LagrangeContact
 from dolfinx_impact.contact.pair import ContactPair
 from dolfinx_impact.statics.static_problem import StaticProblem
 from .rows import Job, Row, row
+from .setup import most_memory
 
 RTOL = 1e-10
 # (name, cell, mesh size at the contact, of the largest cells): half-width 1, bodies of size 12, radius 50
@@ -149,15 +149,6 @@ def contact_rows(cases: Sequence[tuple[str, str, float, float]] = CASES) -> list
                         report.active_set_sizes[-1][-1]))  # fmt: skip
         rows.append(row("  most memory of the process so far", label, 1, most_memory() * 1e-9, "GB", MEMORY))
     return rows
-
-
-def most_memory() -> float:
-    """Largest size of this process in memory since it began.
-
-    Returns:
-        Resident set [B].
-    """
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0
 
 
 def jobs(large: bool) -> list[Job]:

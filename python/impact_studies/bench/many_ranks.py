@@ -25,6 +25,7 @@ from dolfinx_impact.io.mesh_reader import read_mesh
 from dolfinx_impact.io.partition import NODE_COST, partition
 from .explicit import initial_velocity
 from .rows import Job, Row, row
+from .setup import most_memory
 
 RANKS = (2, 4)
 MANY_RANKS = (2, 4, 8, 16)
@@ -116,16 +117,10 @@ def _problem(domain: mesh.Mesh) -> tuple[float, ExplicitProblem]:
     return time.process_time() - begin, problem
 
 
-def _most_memory() -> int:
-    """Most memory of this process so far [KiB]; what getrusage tells counts the process that has started this one."""
-    lines = Path("/proc/self/status").read_text().splitlines()
-    return int(next(line.split()[1] for line in lines if line.startswith("VmHWM:")))
-
-
 def _setup(n: int, file: Path, steps: int = 5) -> dict[str, float]:
     """Processor time per cell of reading, set-up and a step [microseconds], and most memory per cell [kB]."""
     _problem(mesh.create_unit_cube(MPI.COMM_SELF, 2, 2, 2, mesh.CellType.hexahedron))[1].advance(0.1, progress=False)
-    before = _most_memory()
+    before = most_memory()
     begin = time.process_time()
     read = read_mesh(file, MPI.COMM_SELF)
     reading = time.process_time() - begin
@@ -133,9 +128,9 @@ def _setup(n: int, file: Path, steps: int = 5) -> dict[str, float]:
     begin, first = time.process_time(), problem.step
     problem.advance(steps * 0.9 * problem._stepper.safe_step, progress=False)
     step = (time.process_time() - begin) / (problem.step - first)
-    most = _most_memory() - before
+    most = most_memory() - before
     micro = 1e6 / n**3
-    return {"read": micro * reading, "problem": micro * seconds, "step": micro * step, "kB": 1.024 * most / n**3}
+    return {"read": micro * reading, "problem": micro * seconds, "step": micro * step, "kB": 1e-3 * most / n**3}
 
 
 def jobs(large: bool = False) -> list[Job]:

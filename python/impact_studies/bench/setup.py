@@ -4,6 +4,7 @@
 import time
 from collections.abc import Callable
 from functools import lru_cache
+from pathlib import Path
 from typing import TypeAlias, Union
 
 import numpy as np
@@ -94,6 +95,16 @@ def cached_space(cell: str, degree: int, n: int) -> fem.FunctionSpace:
         The space.
     """
     return space(cell, degree, n, MPI.COMM_SELF)
+
+
+def most_memory() -> float:
+    """Largest size of this process in memory since it began; what getrusage tells counts the one that has started it.
+
+    Returns:
+        Resident set [B].
+    """
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return 1024.0 * float(next(line.split()[1] for line in lines if line.startswith("VmHWM:")))
 
 
 class Setup:

@@ -95,3 +95,19 @@ def check_the_same_run():
         for values in found[1:]:
             # Sums over 100 steps in another order; partitions differ, and so does round-off: some 1e-14 a step.
             assert values == pytest.approx(found[0], rel=1e-9)
+
+
+def check_ghosts_are_up_to_date():
+    """Functions that users read have the values of the owners at all ghosts, also those that no cell of the rank has."""
+
+    def stale(f):
+        before = f.x.array.copy()
+        f.x.scatter_forward()
+        return COMM.allreduce(int(np.sum(before != f.x.array)))
+
+    for mode in MODES:
+        problem, _ = run(mode, di.Penalty)
+        assert [stale(f) for f in (problem.u, problem.velocity, problem.acceleration)] == [0, 0, 0], mode
+        seen = []
+        problem.advance(problem.time + 0.01, progress=False, callback=lambda p: seen.append(stale(p.u)))
+        assert seen and not any(seen), mode

@@ -2,13 +2,17 @@
 """Element forces in float: round-off relative to what cells deform, and problems that float is not for."""
 
 import numpy as np
+import precision_checks
 import pytest
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from on_ranks import rank_tests
 
 import dolfinx_impact as di
 from dolfinx_impact.assembly import operators
+
+test_one_rank, test_several_ranks = rank_tests(precision_checks)
 
 # Half a unit in the last place of float, times the roundings that one force sees: 24 numbers of positions and
 # displacement, products of Jacobians, sums over 8 points. The largest force is the measure.
