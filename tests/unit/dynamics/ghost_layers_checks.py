@@ -98,7 +98,7 @@ def check_the_same_run():
 
 
 def check_ghosts_are_up_to_date():
-    """Functions that users read have the values of the owners at all ghosts, also those that no cell of the rank has."""
+    """Functions that users read have the values of the owners at all ghosts, also those that no cell of a rank has."""
 
     def stale(f):
         before = f.x.array.copy()
