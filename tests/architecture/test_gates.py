@@ -111,7 +111,8 @@ def test_make_test_stops_at_the_formatters(checkout):
 # Stands for make and env/run: says its call, and fails where FAILS names it.
 STAND_IN = """#!/bin/sh
 echo "called $*"
-[ "$*" = test ] && printf '%s\\n' "1 failed, 20 passed, 3 skipped in 9.51s" "400 passed in 61.20s (0:01:01)"
+[ "$*" = test ] && printf '%s\\n' "FAILED tests/test_a.py::test_b - assert 1 > 2" \\
+  "1 failed, 20 passed, 3 skipped in 9.51s" "400 passed in 61.20s (0:01:01)"
 case " $FAILS " in *" $1 "*) exit 2 ;; esac
 """
 
@@ -129,9 +130,10 @@ def test_ci_runs_all_three_and_says_how_each_ended(checkout, tmp_path, fails):
     calls = [line for line in done.stdout.splitlines() if line.startswith("called")]
     assert calls == ["called test", "called sanitize", "called dolfinx-impact verify --json results/verify.json"]
     assert done.returncode == (1 if fails else 0) and done.stderr == ""
-    *stages, verdict, tests = done.stdout.splitlines()[-5:]
+    *stages, which, verdict, tests = done.stdout.splitlines()[-6:]
     for name, line in zip(("test", "sanitize", "dolfinx-impact"), stages):
         assert name in line and line.endswith(" s") and ("failed with status 2" in line) == (name in fails)
+    assert which == "FAILED tests/test_a.py::test_b - assert 1 > 2"
     assert verdict.startswith("ci: failed: " if fails else "ci: all passed")
     assert tests == "tests: 1 failed, 420 passed, 3 skipped"
 
