@@ -38,7 +38,7 @@ void SafeStep::find()
   ++_num_found;
   if (!_watch)
     _value = compute();
-  else if (changes.stale || _periodic) // frequencies of all cells may be others
+  else if (changes.stale || _kind.periodic) // frequencies of all cells may be others
     _value = _watch->find_all(_u->x()->array());
   else
     _value = _watch->find_changed(_u->x()->array());

@@ -19,8 +19,8 @@ public:
   struct Kind
   {
     bool watched = false;  ///< with the displacement, as cells deform: StableStepWatch
-    bool periodic = false; ///< with the velocity or internal variables: it is found every so many steps
-    bool flows = false;    ///< plastic flow may change it by a third within 100 steps
+    bool periodic = false; ///< with the velocity or jumps between cells: it is found every so many steps
+    bool flows = false;    ///< plastic flow may change it by a third within 100 steps: given steps are checked soon
   };
 
   /// Fraction of the stable step that automatic steps take; contact stiffness needs the rest.

@@ -158,7 +158,7 @@ ExplicitBody explicit_body(const std::shared_ptr<Function>& u, const std::vector
   MPI_Allreduce(MPI_IN_PLACE, &smallest, 1, MPI_DOUBLE, MPI_MIN, V->mesh()->comm());
   if (!(smallest > 0.0))
     throw common::BadValue("a node has no mass: use Lumping::hrz, and check that every cell has a volume");
-  body.kind = {.watched = !linear, .periodic = !linear && num_plastic > 0, .flows = num_plastic > 0};
+  body.kind = {.watched = !linear, .flows = num_plastic > 0};
   return body;
 }
 } // namespace dolfinx_impact::problems

@@ -137,9 +137,9 @@ class ExplicitBodies(Described):
         deforms = any(c is u for c in read)
         # Of other unknowns than displacements the size of a cell says nothing about how far they may change.
         self.watched = deforms and is_displacement(V) and not self.frequencies.depends_on_jumps
-        # Internal variables may change the stiffness by a third within 100 steps.
-        self.periodic = any(c is velocity for c in read)
-        self.periodic = self.periodic or (deforms and (not self.watched or self.parts is not None))
+        # The stiffness that bounds the frequencies of inelastic parts is that of their elastic part in the deformed
+        # shape: no internal variable changes it but by the deformation, which is watched.
+        self.periodic = any(c is velocity for c in read) or (deforms and not self.watched)
         self.internal = operators.SplitForce(internal, u, law=self._laws, mixed=mixed)
         self.terms: list[operators.SplitForce] = [self.internal]
         self._kinds: list[_cpp.integrators.WorkKind] = []

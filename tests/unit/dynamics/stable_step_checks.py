@@ -85,6 +85,25 @@ def check_steps_follow_a_body_that_is_struck():
             assert 0.0 < looks.worst < BEYOND, (cell, speed, looks.worst)
 
 
+def check_steps_follow_plastic_flow():
+    """Plastic flow at 0.07 of the speed of waves flattens cells to half of their stable step; only those on their way
+    to the limit are looked at again, whether steps are automatic or given."""
+    for cell in CELLS[1::2]:
+        for given in (False, True):
+            block = Block(cell)
+            block.velocity.interpolate(lambda x: np.vstack([0.0 * x[1 : block.dim], 0.0 * x[0] - 0.07]))
+            law = di.J2Plasticity(
+                1.0, 0.3, density=1.0, yield_stress=0.003, hardening=1e-3, finite_strain=True,
+                hypothesis=block.hypothesis,
+            )  # fmt: skip
+            problem = di.ExplicitProblem(block.u, law, velocity=block.velocity, contact=[di.Penalty(block.pair)])
+            looks, step = Looks(problem), 0.4 * problem.stable_step() if given else "auto"
+            problem.advance(4.0, dt=step, callback=looks, progress=False)
+            assert 0.0 < looks.worst < BEYOND, (cell, given, looks.worst)
+            num_cells = block.mesh.topology.index_map(block.dim).size_global
+            assert looks.times > 2 and looks.cells < looks.times * num_cells, (cell, given, looks.cells)
+
+
 def check_steps_follow_a_law_that_stiffens():
     """Fung's law, whose stiffness grows exponentially: the steps fall below 0.8 of the first ones."""
     for cell in CELLS:
