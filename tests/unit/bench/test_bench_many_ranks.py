@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Rows of the benchmark about many ranks and set-up per cell, from tiny meshes."""
 
+import numpy as np
 import pytest
 
 from impact_studies.bench import many_ranks
+from impact_studies.bench.setup import most_memory
 
 
 def test_jobs_are_of_several_ranks_and_sizes():
@@ -15,6 +17,17 @@ def test_jobs_are_of_several_ranks_and_sizes():
         "set-up per cell",
     ]
     assert len(many_ranks.jobs(large=True)) == 5
+
+
+def test_most_memory_is_known_without_the_line_of_the_system(tmp_path):
+    """Some sandboxes do not tell it; 100 MB that were once in use count in any case."""
+    np.ones(12_500_000)
+    status = tmp_path / "status"
+    assert most_memory() > 100e6 and most_memory(status) > 100e6  # no such file
+    status.write_text("Name:\tpython3\nVmRSS:\t  4 kB\n")
+    assert most_memory(status) == most_memory(tmp_path / "none")
+    status.write_text("VmHWM:\t  300 kB\n")
+    assert most_memory(status) == 300 * 1024.0
 
 
 @pytest.mark.slow
