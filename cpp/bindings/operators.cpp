@@ -7,8 +7,8 @@
 #include "dolfinx_impact/operators/KernelTangent.h"
 #include "dolfinx_impact/operators/NodalAverage.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
-#include "dolfinx_impact/operators/cell_rotations.h"
 #include "dolfinx_impact/operators/frequency.h"
+#include "dolfinx_impact/operators/largest_rotation.h"
 #include "dolfinx_impact/operators/lump.h"
 #include "dolfinx_impact/operators/nodal_averages.h"
 #include "dolfinx_impact/operators/resultant.h"
@@ -218,21 +218,22 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       .def("update", &NodalAverage::update, "At the present displacement. Collective");
   bind_tangent(m);
   m.def(
-      "cell_rotations",
+      "largest_rotation",
       [](Values x, Indices x_nodes, Values x_derivatives, Values u, Indices u_nodes, Values u_derivatives,
-         Indices cells, int gdim)
+         Indices cells, int gdim, double beyond)
       {
-        return bindings::take(cell_rotations(
+        const CellRotation found = largest_rotation(
             {{x.data(), x.size()}, 3, {x_nodes.data(), x_nodes.size()}, {x_derivatives.data(), x_derivatives.size()}},
             {{u.data(), u.size()},
              gdim,
              {u_nodes.data(), u_nodes.size()},
              {u_derivatives.data(), u_derivatives.size()}},
-            {cells.data(), cells.size()}, gdim));
+            {cells.data(), cells.size()}, gdim, beyond);
+        return std::pair(found.angle, found.cell);
       },
       nb::arg("x"), nb::arg("x_nodes"), nb::arg("x_derivatives"), nb::arg("u"), nb::arg("u_nodes"),
-      nb::arg("u_derivatives"), nb::arg("cells"), nb::arg("gdim"), nb::rv_policy::move,
-      "Rotations of cells at the point of the derivatives [rad]");
+      nb::arg("u_derivatives"), nb::arg("cells"), nb::arg("gdim"), nb::arg("beyond"),
+      "Angle and cell of the largest rotation beyond an angle at the point of the derivatives [rad]; 0, -1: none");
   m.def(
       "nodal_averages",
       [](const FunctionSpace& V, Values points, Values weights, Values values)

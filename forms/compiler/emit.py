@@ -59,7 +59,7 @@ SWEEP = """
 {{
   typedef dolfinx_impact::kernels::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::swept::sweep<{lanes}, dolfinx_impact::kernels::generated::{symbol}_kernel<T>,
-                                        {nodes}, {components}>(*cells);
+                                        {nodes}, {components}, {positions}>(*cells);
 }}
 #endif
 """
@@ -206,6 +206,7 @@ def definitions(integrals, prefix, linkage=OBJECT):
         for lanes in _swept(integral):
             size = {"nodes": integral.shape[0] // integral.argument_elements[0].block_size}
             size["components"] = integral.argument_elements[0].block_size
+            size["positions"] = integral.coordinate_element.dim // integral.coordinate_element.block_size
             how = {"function": linkage.function, "symbol": symbol, "lanes": lanes, "guard": GUARDS[lanes]}
             out.append(SWEEP.format(**how, **size))
         out.append(_descriptor(integral, symbol, flops(tree), group, linkage))

@@ -133,8 +133,8 @@ IMPACT_ALWAYS_INLINE void scatter(double* result, const int* nodes, const T* A)
 }
 
 /// @tparam kernel the kernel for vectors of W cells, which becomes a part of this function
-/// @tparam N nodes of a cell, with BS components each
-template <int W, auto kernel, int N, int BS>
+/// @tparam N nodes of a cell, with BS components each; the first P of them carry its position
+template <int W, auto kernel, int N, int BS, int P>
 IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
 {
   typedef typename Lanes<W>::type T;
@@ -142,13 +142,13 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
   const int* nodes = s.nodes;
   for (unsigned long long batch = 0; batch < s.num_batches; ++batch, nodes += W * N)
   {
-    T x[3 * N], w[BS * N], A[BS * N];
+    T x[3 * P], w[BS * N], A[BS * N];
+#pragma GCC unroll 16
+    for (int i = 0; i < P; ++i)
+      gather<W, 3>(s.positions, nodes + W * i, x + 3 * i);
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
-    {
-      gather<W, 3>(s.positions, nodes + W * i, x + 3 * i);
       gather<W, BS>(s.values, nodes + W * i, w + BS * i);
-    }
 #pragma GCC unroll 48
     for (int i = 0; i < BS * N; ++i)
       A[i] = -T{}; // added to -0 a number is itself, also -0: compilers leave the sum out

@@ -383,7 +383,7 @@ std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double*
   const std::size_t num_batches = _used.size() - (_used.back() < _width ? 1 : 0);
   if (num_batches == 0)
     return 0;
-  if (_kernel_sweep && _x.as_test && _x.num_nodes == _test.num_nodes)
+  if (_kernel_sweep && _x.as_test)
   {
     const impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, _coefficients[0].values, b};
     _kernel_sweep(&cells);

@@ -212,7 +212,7 @@ def cell_masses_nodal(
 ) -> NDArray[numpy.float64]:
     """Lumped mass of a nodal rule by cell and local degree of freedom"""
 
-def cell_rotations(
+def largest_rotation(
     x: NDArray[numpy.floating[Any]],
     x_nodes: NDArray[numpy.integer[Any]],
     x_derivatives: NDArray[numpy.floating[Any]],
@@ -221,8 +221,11 @@ def cell_rotations(
     u_derivatives: NDArray[numpy.floating[Any]],
     cells: NDArray[numpy.integer[Any]],
     gdim: int,
-) -> NDArray[numpy.float64]:
-    """Rotations of cells at the point of the derivatives [rad]"""
+    beyond: float,
+) -> tuple[float, int]:
+    """
+    Angle and cell of the largest rotation beyond an angle at the point of the derivatives [rad]; 0, -1: none
+    """
 
 def nodal_averages(
     V: dolfinx.cpp.fem.FunctionSpace_float64,

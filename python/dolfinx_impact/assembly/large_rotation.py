@@ -11,7 +11,7 @@ from mpi4py import MPI
 
 from .. import _cpp, compat
 from ..common.cell_numbers import input_cell_numbers
-from ..common.types import FloatArray, IntArray
+from ..common.types import IntArray
 from ..inelastic import InelasticMaterial
 from ..materials import LinearElastic, Material
 
@@ -23,15 +23,16 @@ class LargeRotation(UserWarning):
     """Cells of a law of small strain have turned far."""
 
 
-def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
-    """Rotations of cells at their middle, that of the skew part of F = I + grad u; exact where F only turns.
+def largest_rotation(u: Function, cells: IntArray, beyond: float) -> tuple[float, int]:
+    """The cell that has turned furthest at its middle, by the skew part of F = I + grad u; exact where F only turns.
 
     Args:
         u: displacement function [L].
-        cells: numbers of cells of this rank.
+        cells: numbers of cells of this rank; those without volume do not count.
+        beyond: only rotations that are larger count [rad].
 
     Returns:
-        Angles from 0 to pi, (num_cells) [rad].
+        Angle from 0 to pi [rad] and number of the cell; 0 and -1 if none has turned further.
     """
     V: FunctionSpace = u.function_space
     x, gdim = V.mesh.geometry.x, V.mesh.geometry.dim
@@ -41,7 +42,8 @@ def cell_rotations(u: Function, cells: IntArray) -> FloatArray:
     shape = V.element.basix_element.tabulate(1, middle)[1:, 0, :, 0]
     shape_of_place = coordinates.tabulate(1, middle)[1:, 0, :, 0]
     places = x.ravel(), dofmap.ravel(), shape_of_place.ravel()
-    return _cpp.operators.cell_rotations(*places, u.x.array, V.dofmap.list.ravel(), shape.ravel(), cells, gdim)
+    nodes = u.x.array, V.dofmap.list.ravel(), shape.ravel()
+    return _cpp.operators.largest_rotation(*places, *nodes, cells, gdim, beyond)
 
 
 def _small_strain(material: object) -> bool:
@@ -89,14 +91,11 @@ class RotationWarning:
             if tag is not None and self._tags is not None:
                 cells = self._tags.find(tag)
                 cells = cells[cells < num_owned]
-            angles = cell_rotations(u, cells) if self._may_have_turned(u) else np.zeros(0)
-            angles = np.where(np.isfinite(angles), angles, 0.0)
-            largest = mesh.comm.allreduce(float(np.max(angles, initial=0.0)), MPI.MAX)
-            if largest <= LARGE:
+            mine, cell = largest_rotation(u, cells, LARGE) if self._may_have_turned(u) else (0.0, -1)
+            largest = mesh.comm.allreduce(mine, MPI.MAX)
+            if largest == 0.0:
                 continue
-            here = None
-            if len(angles) and angles.max() == largest:
-                here = int(input_cell_numbers(mesh.topology)[cells[int(np.argmax(angles))]])
+            here = int(input_cell_numbers(mesh.topology)[cell]) if mine == largest else None
             number = next(n for n in mesh.comm.allgather(here) if n is not None)
             self._warned = True
             if mesh.comm.rank == 0:

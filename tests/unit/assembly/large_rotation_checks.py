@@ -9,7 +9,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
-from dolfinx_impact.assembly.large_rotation import cell_rotations
+from dolfinx_impact.assembly.large_rotation import largest_rotation
 
 COMM = MPI.COMM_WORLD
 CELLS = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
@@ -46,9 +46,35 @@ def check_rotations_of_cells():
             u = fem.Function(V)
             for angle in (0.0, 0.3, 2.0, 3.1):
                 u.interpolate(turned(dim, angle))
-                assert cell_rotations(u, cells) == pytest.approx(np.full(len(cells), angle), abs=1e-12)
+                for c in cells[:20]:
+                    found, which = largest_rotation(u, cells[c : c + 1], 0.0)
+                    assert found == pytest.approx(angle, abs=1e-12) and which in (c, -1)
+                beyond = min(angle + 0.1, 1.5)
+                assert len(cells) == 0 or largest_rotation(u, cells, beyond)[0] == pytest.approx(
+                    angle if angle > beyond else 0.0, abs=1e-12
+                )
             u.interpolate(lambda x: 0.4 * x[:dim] * np.arange(1, dim + 1)[:, None])
-            assert cell_rotations(u, cells) == pytest.approx(np.zeros(len(cells)), abs=1e-12)
+            assert largest_rotation(u, cells, 1e-12) == (0.0, -1)
+
+
+def check_the_cell_that_has_turned_furthest():
+    """One node moves across: the cells around it turn, that with the largest rotation is found whatever the others."""
+    for cell in CELLS:
+        dim, made, V = body(cell, 1)
+        cells = np.arange(made.topology.index_map(dim).size_local, dtype=np.int32)
+        u = fem.Function(V)
+        u.interpolate(lambda x: np.vstack([np.sin(5.0 * x[(i + 1) % dim] + i) * 0.3 for i in range(dim)]))
+        each = [largest_rotation(u, cells[c : c + 1], 0.0)[0] for c in cells]
+        angle, which = largest_rotation(u, cells, 0.05)
+        assert len(cells) == 0 or (angle == max(each) > 0.05 and each[which] == angle)
+
+
+def check_what_rotations_are_looked_for():
+    dim, made, V = body("triangle", 1)
+    cells, u = np.zeros(0, dtype=np.int32), fem.Function(V)
+    for beyond in (-0.1, 1.6, np.nan):
+        with pytest.raises(ValueError, match="from 0 to below pi/2"):
+            largest_rotation(u, cells, beyond)
 
 
 def runs(dim, V, law, angle):
