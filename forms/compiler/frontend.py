@@ -148,14 +148,14 @@ class Integral:
 
     @property
     def has_sweep(self) -> bool:
-        """Has the kernel a function that gathers and scatters, too (kernels/sweep.h)? Those of cells whose nodes carry
-        positions, one coefficient and the test function: linear simplices, whose kernels take no longer than the
-        calls around them."""
+        """Has the kernel a function that gathers and scatters, too (kernels/sweep.h)? Those of linear cells whose nodes
+        carry positions, one coefficient and the test function: the calls around them, and the arrays that calls pass,
+        take as long as a linear tetrahedron, and a third of a hexahedron with one point."""
         if self.integral_type != "cell" or self.rank != 1 or self.law is not None or len(self.coefficients) != 1:
             return False
         element, positions = self.argument_elements[0], self.coordinate_element
         return (
-            positions.cell_type.name in ("triangle", "tetrahedron")
+            positions.cell_type.name in ("triangle", "tetrahedron", "quadrilateral", "hexahedron")
             and positions.embedded_superdegree == 1
             and element == self.coefficients[0].element == positions
         )
