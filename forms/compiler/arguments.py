@@ -175,7 +175,7 @@ class ElementTensor:
                     derivatives,
                     lambda node: L.Add(L.LiteralInt(self.stride * node), index),
                     index,
-                    lambda dof, e: L.AssignAdd(A[dof], e),
+                    lambda dof, e: L.AssignAdd(A[dof], self._rounded(e)),
                 )
                 size = len(begins) if begin is None else 1
                 statements.append(L.ForRange(index if begin is None else L.Symbol("once", INT), 0, size, body))
@@ -217,9 +217,12 @@ class ElementTensor:
                 for dof in np.flatnonzero(reduction[column]):
                     pair = (scale * float(reduction[column, dof]), f)
                     terms.setdefault(begin + stride * int(dof), []).append(pair)
-        # A sum with the last product of a value has another rounding: the sweep is to have that of `tabulate`.
-        value = (lambda pairs: Rounded(combine(pairs))) if self.integral.has_sweep else combine
-        return [L.AssignAdd(A[dof], value(pairs)) for dof, pairs in sorted(terms.items())]
+        return [L.AssignAdd(A[dof], self._rounded(combine(pairs))) for dof, pairs in sorted(terms.items())]
+
+    def _rounded(self, value):
+        """A value that is added to A. A sum with the last product of it has another rounding: the sweep, which adds to
+        nothing, is to have that of `tabulate`."""
+        return Rounded(value) if self.integral.has_sweep else value
 
     # -- rank 2 -------------------------------------------------------------------------------------------------------
     def _inside_matrix(self, schedule):

@@ -148,17 +148,19 @@ class Integral:
 
     @property
     def has_sweep(self) -> bool:
-        """Has the kernel a function that gathers and scatters, too (kernels/sweep.h)? Those of straight simplices with
-        one coefficient and the test function: the calls around them, and the arrays that calls pass, take as long as
-        the kernel of a linear tetrahedron, and an eighth of the step of a quadratic one."""
+        """Has the kernel a function that gathers and scatters, too (kernels/sweep.h)? Those of cells with linear
+        geometry, of degree 1, and of simplices of degree 2, with one coefficient and the test function: the calls
+        around them, and the arrays that calls pass, take as long as the kernel of a linear tetrahedron, a third of a
+        hexahedron with one point, and an eighth of the step of a quadratic tetrahedron."""
         if self.integral_type != "cell" or self.rank != 1 or self.law is not None or len(self.coefficients) != 1:
             return False
         element, positions = self.argument_elements[0], self.coordinate_element
+        degree = element.embedded_superdegree
         return (
-            positions.cell_type.name in ("triangle", "tetrahedron")
+            positions.cell_type.name in ("triangle", "tetrahedron", "quadrilateral", "hexahedron")
             and positions.embedded_superdegree == 1
             and element == self.coefficients[0].element
-            and element.embedded_superdegree <= 2
+            and (degree == 1 or (degree == 2 and positions.cell_type.name in ("triangle", "tetrahedron")))
             and element.block_size == positions.block_size
         )
 

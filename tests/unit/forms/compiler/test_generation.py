@@ -57,12 +57,14 @@ def test_same_text_in_processes_with_other_hashes():
         (("linear_elastic.force", "tetrahedron", 2, 1, "3d"), True),  # positions have fewer nodes
         (("linear_elastic.force", "triangle", 2, 1, "axisymmetric"), True),
         (("linear_elastic.force", "tetrahedron", 2, 2, "3d"), False),  # sides are not straight
-        (("linear_elastic.force", "hexahedron", 1, 1, "3d"), False),  # calls cost little beside eight points
+        (("linear_elastic.force", "hexahedron", 1, 1, "3d"), True),
+        (("linear_elastic.reduced.force", "hexahedron", 1, 1, "3d"), True),
+        (("linear_elastic.force", "hexahedron", 2, 1, "3d"), False),  # calls cost little beside 27 points
         (("linear_elastic.tangent", "tetrahedron", 1, 1, "3d"), False),
         (("gravity", "tetrahedron", 1, 1, "3d"), False),  # no coefficient
     ],
 )
-def test_kernels_of_few_operations_have_a_sweep(row, has_one):
+def test_kernels_of_linear_cells_have_a_sweep(row, has_one):
     text = source(row)
     assert ("impact_row_0_sweep_4(" in text) == has_one
     assert ("kernels/sweep.h" in text) == has_one
