@@ -37,7 +37,7 @@ E, NU, HARDENING = 1e3, 0.3, 1.0  # hardly any hardening: no waves that would un
 YIELDING, ELASTIC = 1e-3, 1e6  # yield stresses: all points flow in every step, none does
 FLOW = np.array([[0.5, 1.0, 0.3], [0.2, -0.8, 1.0], [1.0, 0.4, 0.3]])  # gradient of the velocity, trace 0 [1/T]
 RATE = 0.1  # of that flow [1]
-STEPS, ROUNDS = 20, 7
+STEPS, ROUNDS = 20, 5
 SHARE = 0.8  # of the first stable step that steps take [1]: it stays below the stable step while the body moves
 SAME = 1e-11  # forces and histories are sums of some hundred terms, each with round-off of 1e-16 of the largest
 AXES = ((0, 0), (1, 1), (0, 1), (1, 2), (0, 2))  # the components of a deviator that are kept
@@ -400,7 +400,7 @@ def jobs(large: bool = False) -> list[Job]:
         A text and a function that returns rows, for each measurement.
     """
     return [
-        ("explicit step, j2", partial(speed_rows, 64 if large else 40)),
+        ("explicit step, j2", partial(speed_rows, 64 if large else 36)),
         ("explicit step, j2, the usual way", usual_row),
         ("explicit step, law of one's own", own_row),
         ("explicit memory, j2", partial(memory_rows, 64 if large else 40)),

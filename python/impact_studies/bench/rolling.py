@@ -16,7 +16,7 @@ from mpi4py import MPI
 from ..creep.model import CreepModel, WheelOnRail
 from .rows import Job, Row, row
 
-CELLS = 5  # in each half-axis
+CELLS = 4  # in each half-axis
 LARGE = 9
 POINTS = np.linspace(0.0, 3e-3, 13)
 POINT = 1e-3
