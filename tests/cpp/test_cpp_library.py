@@ -16,7 +16,7 @@ from dolfinx_impact._cpp.kernels import processor_width
 
 def run(command, **environment):
     surroundings = mpi_environment(**environment)
-    done = subprocess.run([str(c) for c in command], env=surroundings, capture_output=True, text=True, timeout=200)
+    done = subprocess.run([str(c) for c in command], env=surroundings, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, (done.stdout + done.stderr)[-4000:]
     return done.stdout
 

@@ -105,6 +105,46 @@ TEST_CASE("forces from padded arrays")
   CHECK(again == expected);
 }
 
+TEST_CASE("forces in float from padded arrays, whose positions are kept until the mesh is moved")
+{
+  using dolfinx::mesh::CellType;
+  const auto [cell, degree] = GENERATE(std::pair{CellType::hexahedron, 1}, std::pair{CellType::tetrahedron, 1},
+                                       std::pair{CellType::tetrahedron, 2});
+  PaddedCube cube(cell, degree);
+  InternalForce force = cube.force(degree, 0);
+  force.set_mixed();
+  const std::span<const double> u = dolfinx_impact::common::array(*cube.u->x());
+  AlignedVector padded(u.size() / 3 * 4, 0.0);
+  for (std::size_t i = 0; i < u.size(); ++i)
+    padded[i / 3 * 4 + i % 3] = u[i];
+  NodePositions positions(cube.V);
+  const auto version = positions.version();
+  positions.update();
+  CHECK(positions.version() == version);
+  CHECK(NodePositions(cube.V).version() != version);
+  force.read_positions(&positions);
+  force.read("u", padded.data(), 4);
+  for (const double stretch : {1.0, 1.0, 1.5})
+  {
+    for (double& x : cube.mesh->geometry().x())
+      x *= stretch;
+    positions.update();
+    AlignedVector found(padded.size(), 0.0);
+    force.assemble_padded(found);
+    InternalForce alone = cube.force(degree, 0);
+    alone.set_mixed();
+    std::vector<double> expected(u.size(), 0.0);
+    alone.assemble(expected);
+    double largest = 0.0;
+    for (const double f : expected)
+      largest = std::max(largest, std::abs(f));
+    REQUIRE(largest > 1e-4);
+    for (std::size_t i = 0; i < u.size(); ++i)
+      REQUIRE(found[i / 3 * 4 + i % 3] == Approx(expected[i]).margin(1e-13 * largest)); // sums in another order
+  }
+  CHECK(positions.version() != version);
+}
+
 // Arrays are read by the vectors of a kernel's sweep, and by the calls that it stands for.
 TEST_CASE("a kernel's own sweep gives the same bits as its calls")
 {

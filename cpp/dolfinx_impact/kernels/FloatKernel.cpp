@@ -16,8 +16,21 @@ const impact_float_kernel* find_float(const impact_kernel& kernel)
   return nullptr;
 }
 
+namespace
+{
+int slot(int width)
+{
+  return width == 8 ? 2 : width == 4 ? 1 : 0;
+}
+} // namespace
+
 impact_float_tabulate tabulate(const impact_float_kernel& kernel, int width)
 {
-  return kernel.tabulate[width == 8 ? 2 : width == 4 ? 1 : 0];
+  return kernel.tabulate[slot(width)];
+}
+
+impact_float_sweep sweep(const impact_float_kernel& kernel, int width)
+{
+  return kernel.sweep[slot(width)];
 }
 } // namespace dolfinx_impact::kernels

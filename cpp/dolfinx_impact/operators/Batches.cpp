@@ -335,6 +335,7 @@ void Batches::read_positions(const NodePositions* positions)
   const bool readable = positions && (by_test || !positions->space());
   _x.as_test = by_test;
   _x.values = readable ? positions->values().data() : nullptr;
+  _positions = readable ? positions : nullptr;
   _x.gather = gather(_width, 3, readable ? 4 : 3);
 }
 
@@ -427,8 +428,8 @@ double Batches::run(double* b, int stride) const
   {
     const Array& a = _coefficients[0];
     const NodeValues positions{_x.values ? _x.values : _mesh->geometry().x().data(), _x.values ? 4 : 3};
-    _float_cells->run(positions, _x.as_test, {a.values ? a.values : a.function->x()->array().data(), a.stride},
-                      _constants.data(), b, stride);
+    _float_cells->run({positions, _x.as_test, _positions ? _positions->version() : 0},
+                      {a.values ? a.values : a.function->x()->array().data(), a.stride}, _constants.data(), b, stride);
     return 0.0;
   }
   const std::size_t size_A = std::size_t(k.shape[0]) * _width;

@@ -135,9 +135,10 @@ private:
   std::vector<int> _used, _facet; // per batch; the kernel's entity
   Array _x, _test;
   scatter_function _scatter = nullptr, _padded_scatter = nullptr;
-  sweep_function _sweep = nullptr;      ///< over padded arrays, for kernels that it is right for; null for others
-  impact_sweep _kernel_sweep = nullptr; ///< the kernel's own, instead of that, where positions have the same nodes
-  OptionalFloatCells _float_cells;      ///< none: all is computed in double
+  sweep_function _sweep = nullptr;           ///< over padded arrays, for kernels that it is right for; null for others
+  impact_sweep _kernel_sweep = nullptr;      ///< the kernel's own, instead of that, where positions have the same nodes
+  const NodePositions* _positions = nullptr; ///< where _x is read from; null: the mesh
+  OptionalFloatCells _float_cells;           ///< none: all is computed in double
   std::vector<Array> _coefficients;
   std::size_t _at_nodes = 0; ///< the first one that is gathered from nodes
   std::vector<double> _constants;

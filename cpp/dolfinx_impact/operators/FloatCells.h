@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "gather_float.h"
+#include "../kernels/FloatKernel.h"
 #include "lanes.h"
 #include <cstdint>
 #include <memory>
@@ -15,6 +15,14 @@ struct NodeValues
 {
   const double* values = nullptr;
   int stride = 3; ///< entries per node, 3, or 4 in an array that is aligned
+};
+
+/// Where the nodes of cells are.
+struct CellPlaces
+{
+  NodeValues positions;      ///< [L]
+  bool as_space = false;     ///< are they by the nodes of the space? Otherwise by the mesh's.
+  std::uint64_t version = 0; ///< another number where positions may be others; 0: they are read in every run
 };
 
 /// Element forces of cells in float, of a kernel that reads positions and one coefficient with three components:
@@ -39,25 +47,27 @@ public:
              double cell_size);
 
   /// Add the element forces. No allocation.
-  /// @param[in] positions of the nodes [L]
-  /// @param[in] as_space are they by the space's nodes? Otherwise by the mesh's.
+  /// @param[in] places of the nodes
   /// @param[in] u coefficient [L]
   /// @param[in] constants of the kernel
   /// @param[in,out] b with `stride` entries per node
-  void run(const NodeValues& positions, bool as_space, const NodeValues& u, const double* constants, double* b,
-           int stride) const;
+  void run(const CellPlaces& places, const NodeValues& u, const double* constants, double* b, int stride) const;
   int lanes() const { return _lanes; }
 
 private:
   typedef std::vector<float, AlignedAllocator<float>> Buffer;
 
+  void place(const CellPlaces& places) const;
+
   int _lanes, _num_nodes, _num_mesh_nodes;
   std::size_t _num_cells;
   impact_float_tabulate _tabulate;
-  float_sweep_function _sweep;
+  impact_float_sweep _sweep;
   double _scale, _force_scale;
   std::vector<std::int32_t> _nodes, _mesh_nodes; // as Nodes::numbers, in batches of _lanes
-  mutable Buffer _A, _w[2], _x[2];
+  mutable Buffer _A, _w, _x;
+  mutable Buffer _places; // differences of positions to the first node, as the kernel's sweep reads them
+  mutable std::uint64_t _version = 0;
 };
 
 /// Cells in float, or none. A copy has cells of its own, with buffers of their own.

@@ -2,6 +2,7 @@
 #include "NodePositions.h"
 #include "../common/dolfinx_api.h"
 #include <algorithm>
+#include <atomic>
 #include <dolfinx/fem/DofMap.h>
 #include <dolfinx/mesh/Mesh.h>
 
@@ -46,8 +47,16 @@ void NodePositions::update()
 {
   const std::span<const double> x = _V->mesh()->geometry().x();
   _values.resize(4 * (_nodes.empty() ? x.size() / 3 : _nodes.size()), 0.0);
+  bool same = _version > 0;
   for (std::size_t i = 0; i < _values.size() / 4; ++i)
     if (const std::int64_t node = _nodes.empty() ? std::int64_t(i) : _nodes[i]; node >= 0)
-      std::copy_n(x.data() + 3 * node, 3, _values.data() + 4 * i);
+    {
+      const double *from = x.data() + 3 * node, *to = _values.data() + 4 * i;
+      same = same && std::equal(from, from + 3, to);
+      std::copy_n(from, 3, _values.data() + 4 * i);
+    }
+  static std::atomic<std::uint64_t> last = 0;
+  if (!same)
+    _version = ++last;
 }
 } // namespace dolfinx_impact::operators

@@ -22,6 +22,8 @@ public:
   /// Read the mesh's positions again: it may have been moved.
   void update();
   const AlignedVector& values() const { return _values; } ///< [L]
+  /// Another number whenever positions are others, in this object or any.
+  std::uint64_t version() const { return _version; }
   /// The space whose nodes they are by; null: by those of the mesh.
   const FunctionSpace* space() const { return _nodes.empty() ? nullptr : _V.get(); }
 
@@ -29,5 +31,6 @@ private:
   std::shared_ptr<const FunctionSpace> _V;
   std::vector<std::int32_t> _nodes; ///< the mesh's node of each node of the space, -1: none; empty: they do not agree
   AlignedVector _values;
+  std::uint64_t _version = 0;
 };
 } // namespace dolfinx_impact::operators

@@ -115,6 +115,18 @@ def test_run_is_that_of_double():
         assert mixed.energy[name] == pytest.approx(double.energy[name], rel=100 * ROUND_OFF)
 
 
+def test_positions_of_a_mesh_that_was_moved_are_read_again():
+    u = deformed(block())
+    material = di.LinearElastic(1e3, 0.3, 1.0)
+    f = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(u.function_space), material))
+    f._cpp_object.set_mixed()
+    before = f.apply().array.copy()
+    u.function_space.mesh.geometry.x[:] *= 1.25
+    after = f.apply().array.copy()
+    assert np.abs(after - before).max() > 0.1 * np.abs(before).max()
+    assert np.array_equal(after, force(u, di.LinearElastic, True))
+
+
 def test_materials_of_tags_have_kernels_in_float():
     domain = block()
     cells = np.arange(18, dtype=np.int32)
