@@ -4,7 +4,7 @@ itself."""
 
 import hashlib
 import itertools
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import basix
 import ffcx.codegeneration.lnodes as L
@@ -59,7 +59,7 @@ SWEEP = """
 {{
   typedef dolfinx_impact::kernels::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::swept::sweep<{lanes}, dolfinx_impact::kernels::generated::{symbol}_kernel<T>,
-                                        {nodes}, {components}, {positions}>(*cells);
+                                        dolfinx_impact::kernels::swept::NodalArrays{{{arrays}}}>(*cells);
 }}
 #endif
 """
@@ -204,11 +204,9 @@ def definitions(integrals, prefix, linkage=OBJECT):
             how = {"function": linkage.function, "symbol": symbol + "_kernel", "lanes": lanes, "guard": guard}
             out.append(INSTANCE.format(**how))
         for lanes in _swept(integral):
-            size = {"nodes": integral.shape[0] // integral.argument_elements[0].block_size}
-            size["components"] = integral.argument_elements[0].block_size
-            size["positions"] = integral.coordinate_element.dim // integral.coordinate_element.block_size
+            arrays = ", ".join(map(str, astuple(integral.swept_arrays)))
             how = {"function": linkage.function, "symbol": symbol, "lanes": lanes, "guard": GUARDS[lanes]}
-            out.append(SWEEP.format(**how, **size))
+            out.append(SWEEP.format(**how, arrays=arrays))
         out.append(_descriptor(integral, symbol, flops(tree), group, linkage))
         names.append(symbol)
     return "".join(out), names

@@ -120,6 +120,27 @@ class LocalExpressions:
     num_loops: int
 
 
+@dataclass(frozen=True)
+class SweptArrays:
+    """Arrays over the nodes of a cell, as NodalArrays of kernels/sweep.h.
+
+    Attributes:
+        num_nodes: nodes of a cell.
+        num_positions: how many of them, the first, carry its position.
+        components: of the coefficient that has as many as positions.
+        offset: its first entry in w.
+        scalar_offset: first entry in w of the scalar coefficient, -1: there is none.
+        test_components: of the test function.
+    """
+
+    num_nodes: int
+    num_positions: int
+    components: int
+    offset: int
+    scalar_offset: int
+    test_components: int
+
+
 @dataclass
 class Integral:
     """One kernel to write: FFCx's representation with the facts about it that FFCx does not keep together."""
@@ -147,22 +168,39 @@ class Integral:
         return 2 if self.integral_type == "interior_facet" else 1
 
     @property
-    def has_sweep(self) -> bool:
-        """Has the kernel a function that gathers and scatters, too (kernels/sweep.h)? Those of cells with linear
-        geometry, of degree 1, and of simplices of degree 2, with one coefficient and the test function: the calls
-        around them, and the arrays that calls pass, take as long as the kernel of a linear tetrahedron, a third of a
-        hexahedron with one point, and an eighth of the step of a quadratic tetrahedron."""
-        if self.integral_type != "cell" or self.rank != 1 or self.law is not None or len(self.coefficients) != 1:
-            return False
-        element, positions = self.argument_elements[0], self.coordinate_element
-        degree = element.embedded_superdegree
-        return (
-            positions.cell_type.name in ("triangle", "tetrahedron", "quadrilateral", "hexahedron")
-            and positions.embedded_superdegree == 1
-            and element == self.coefficients[0].element
-            and (degree == 1 or (degree == 2 and positions.cell_type.name in ("triangle", "tetrahedron")))
-            and element.block_size == positions.block_size
+    def swept_arrays(self):
+        """Where the function that gathers and scatters, too (kernels/sweep.h), finds its arrays; None: the kernel has
+        no such function. Those of cells with linear geometry have one, of degree 1, and of simplices of degree 2, with
+        one coefficient that has as many components as positions, at most one scalar on the same nodes, and the test
+        function on them: the calls around them, and the arrays that calls pass, take as long as the kernel of a linear
+        tetrahedron, a third of a hexahedron with one point, and an eighth of the step of a quadratic tetrahedron."""
+        if self.integral_type != "cell" or self.rank != 1 or self.law is not None:
+            return None
+        positions, test = self.coordinate_element, self.argument_elements[0]
+        vectors = [c for c in self.coefficients if c.element.block_size == positions.block_size]
+        if len(vectors) != 1 or positions.embedded_superdegree != 1:
+            return None
+        element = vectors[0].element
+        scalar, cell = element.sub_elements[0], positions.cell_type.name
+        linear = ("triangle", "tetrahedron", "quadrilateral", "hexahedron")
+        others = [c for c in self.coefficients if c is not vectors[0]]
+        if cell not in {1: linear, 2: linear[:2]}.get(element.embedded_superdegree, ()):
+            return None
+        if len(others) > 1 or any(c.element != scalar for c in others) or test not in (element, scalar):
+            return None
+        return SweptArrays(
+            num_nodes=element.dim // element.block_size,
+            num_positions=positions.dim // positions.block_size,
+            components=element.block_size,
+            offset=vectors[0].offset,
+            scalar_offset=others[0].offset if others else -1,
+            test_components=test.block_size,
         )
+
+    @property
+    def has_sweep(self) -> bool:
+        """Has the kernel such a function?"""
+        return self.swept_arrays is not None
 
     @property
     def num_points(self):

@@ -19,15 +19,16 @@ extern "C"
   typedef void (*impact_tabulate)(double* A, const double* w, const double* c, const double* x, int entity);
 
   /// Whole batches of cells, and arrays over their nodes: four entries per node for three components, aligned to 32
-  /// bytes, and two entries for two.
+  /// bytes, two entries for two, and one for scalars.
   typedef struct
   {
     unsigned long long num_batches;
     const int* nodes; ///< node i of a lane of the first batch stands at [lanes * i + lane]; batches follow each other
     const double* constants;
     const double* positions; ///< four entries per node
-    const double* values;    ///< of the coefficient
+    const double* values;    ///< of the coefficient that has components
     double* result;          ///< element vectors are added to it
+    const double* scalars;   ///< of the scalar coefficient; null: the kernel has none
   } impact_cells;
 
   /// Gathers, computes and scatters batch by batch: what tabulate gives, to the last bit, in less time.
@@ -118,8 +119,8 @@ extern "C"
     int local_unknowns; ///< of the equations solved at each point; 0: none
     double flops;       ///< additions, multiplications and divisions per cell
     impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];
-    /// Of kernels over cells that read positions and one coefficient at the nodes that they add to, and have few
-    /// operations; null for others and where there are no vectors.
+    /// Of kernels over linear cells that read positions, a coefficient with as many components and at most one scalar
+    /// at the nodes that they add to; null for others and where there are no vectors.
     impact_sweep sweep[IMPACT_KERNEL_WIDTHS];
   } impact_kernel;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Gather, kernel and scatter in one function, for kernels of few operations: a call and the arrays that it passes cost
-// as much as a node of a linear tetrahedron. Included by generated sources for widths of 4 and 8 on x86. Vectors are
+// Gather, kernel and scatter in one function, for kernels of linear cells: a call and the arrays that it passes cost as
+// much as a node of a linear tetrahedron. Included by generated sources for widths of 4 and 8 on x86. Vectors are
 // put together in registers: lanes that are written one by one and read whole stall the processor (the stores cannot be
 // forwarded). Only the compiler's own vectors are used: a header of intrinsics takes longer to read than the kernel.
 #include "Kernel.h"
@@ -17,6 +17,19 @@ namespace dolfinx_impact::kernels::swept
 /// A node of four entries in memory, aligned; a pair in memory, which need not be.
 typedef double Row __attribute__((vector_size(32), may_alias));
 typedef double Pair __attribute__((vector_size(16), aligned(8), may_alias));
+
+/// Arrays of a kernel over the nodes of a cell.
+struct NodalArrays
+{
+  int num_nodes;
+  int num_positions;   ///< how many of them, the first, carry its position
+  int components;      ///< of the coefficient that has components
+  int offset;          ///< of its first entry in the kernel's coefficients
+  int scalar_offset;   ///< of the scalar coefficient's first entry; -1: there is none
+  int test_components; ///< of the result
+
+  constexpr int num_values() const { return num_nodes * (components + (scalar_offset >= 0 ? 1 : 0)); }
+};
 
 /// One component of a node in each of four lanes.
 typedef double Column __attribute__((vector_size(32)));
@@ -49,6 +62,8 @@ IMPACT_ALWAYS_INLINE Columns<BS> gather4(const double* values, const int* nodes)
     const Columns<4> t = transposed(r[0], r[1], r[2], r[3]);
     return {{t.c[0], t.c[1], t.c[2]}};
   }
+  else if constexpr (BS == 1)
+    return {{Column{values[nodes[0]], values[nodes[1]], values[nodes[2]], values[nodes[3]]}}};
   else
   {
     Pair r[4];
@@ -75,6 +90,10 @@ IMPACT_ALWAYS_INLINE void scatter4(double* result, const int* nodes, const Colum
       node = node + rows.c[l];
     }
   }
+  else if constexpr (BS == 1)
+#pragma GCC unroll 4
+    for (int l = 0; l < 4; ++l)
+      result[nodes[l]] += f.c[0][l];
   else
   {
     const Column a = __builtin_shufflevector(f.c[0], f.c[1], 0, 4, 2, 6),
@@ -133,29 +152,34 @@ IMPACT_ALWAYS_INLINE void scatter(double* result, const int* nodes, const T* A)
 }
 
 /// @tparam kernel the kernel for vectors of W cells, which becomes a part of this function
-/// @tparam N nodes of a cell, with BS components each; the first P of them carry its position
-template <int W, auto kernel, int N, int BS, int P>
+/// @tparam of where its arrays are
+template <int W, auto kernel, NodalArrays of>
 IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
 {
   typedef typename Lanes<W>::type T;
+  constexpr int N = of.num_nodes, P = of.num_positions, size = of.test_components * N;
   const impact_cells s = cells; // a copy: what is added to the result could change what is read by reference
   const int* nodes = s.nodes;
   for (unsigned long long batch = 0; batch < s.num_batches; ++batch, nodes += W * N)
   {
-    T x[3 * P], w[BS * N], A[BS * N];
+    T x[3 * P], w[of.num_values()], A[size];
 #pragma GCC unroll 16
     for (int i = 0; i < P; ++i)
       gather<W, 3>(s.positions, nodes + W * i, x + 3 * i);
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
-      gather<W, BS>(s.values, nodes + W * i, w + BS * i);
+    {
+      gather<W, of.components>(s.values, nodes + W * i, w + of.offset + of.components * i);
+      if constexpr (of.scalar_offset >= 0)
+        gather<W, 1>(s.scalars, nodes + W * i, w + of.scalar_offset + i);
+    }
 #pragma GCC unroll 48
-    for (int i = 0; i < BS * N; ++i)
+    for (int i = 0; i < size; ++i)
       A[i] = -T{}; // added to -0 a number is itself, also -0: compilers leave the sum out
     kernel(A, w, s.constants, x, 0);
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
-      scatter<W, BS>(s.result, nodes + W * i, A + BS * i);
+      scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);
   }
 }
 } // namespace dolfinx_impact::kernels::swept

@@ -21,6 +21,28 @@ bool is_local_unknown(const impact_output& output)
   return std::strcmp(output.name, "local_unknown") == 0;
 }
 
+/// Have the cells of a mesh the same node numbers in both spaces?
+bool same_nodes(const FunctionSpace& a, const FunctionSpace& b)
+{
+  if (a.dofmap() == b.dofmap())
+    return true;
+  if (a.mesh() != b.mesh())
+    return false;
+  const auto& cells = *a.mesh()->topology()->index_map(a.mesh()->topology()->dim());
+  for (std::int32_t c = 0; c < cells.size_local() + cells.num_ghosts(); ++c)
+    if (!std::ranges::equal(a.dofmap()->cell_dofs(c), b.dofmap()->cell_dofs(c)))
+      return false;
+  return true;
+}
+
+/// Values of a coefficient, as sweeps read them; null: they lie otherwise. Scalars need no padding.
+const double* swept_values(const Batches::Array& a)
+{
+  if (a.stride != padded_stride(a.block_size))
+    return nullptr;
+  return a.block_size == 1 && !a.values ? a.function->x()->array().data() : a.values;
+}
+
 /// Node numbers of padded entities, lane by lane: those of the `sides` cells of each, one cell after the other.
 template <typename Dofs>
 void number_nodes(const Dofs& dofs_of, std::span<const std::int32_t> cells, int sides, int width, int num_nodes,
@@ -103,19 +125,17 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     a.name = c.name;
     a.function = found->second;
     a.offset = c.offset;
-    a.as_test = test && V->dofmap() == test->dofmap();
+    a.as_test = test && same_nodes(*V, *test);
     _coefficients.push_back(std::move(a));
   }
+  if (!_history && k.num_sums == 0 && std::ranges::all_of(_coefficients, &Array::as_test))
+    _kernel_sweep = kernels::sweep(k, _width);
 
   const auto gathered = [](const Array& a) { return a.field < 0; };
   _at_nodes = std::size_t(std::ranges::find_if(_coefficients, gathered) - _coefficients.begin());
   if (type == "cell" && k.rank == 1 && std::ranges::count_if(_coefficients, gathered) == 1 &&
-      _coefficients[_at_nodes].as_test)
-  {
+      _coefficients[_at_nodes].as_test && _coefficients[_at_nodes].block_size == _test.block_size)
     _sweep = sweep(_width, _test.block_size, padded_stride(_test.block_size));
-    if (_coefficients.size() == 1 && !_history && k.num_sums == 0)
-      _kernel_sweep = kernels::sweep(k, _width);
-  }
 
   const std::vector<std::int32_t>& entities = integral.entities;
   if (type == "interior_facet")
@@ -330,7 +350,8 @@ void Batches::read(const std::string& name, const double* values, int stride)
 void Batches::read_positions(const NodePositions* positions)
 {
   // Where each facet has the nodes of two cells, those of the second come after all of the first one's.
-  const bool by_test = positions && positions->space() && positions->space() == _test_space.get() &&
+  const bool by_test = positions && positions->space() && _test_space &&
+                       same_nodes(*positions->space(), *_test_space) &&
                        (_sides == 1 || _x.num_nodes == _test.num_nodes);
   const bool readable = positions && (by_test || !positions->space());
   _x.as_test = by_test;
@@ -375,21 +396,32 @@ void Batches::store_results(std::size_t batch, const double* A) const
     record_failures(batch, A);
 }
 
+bool Batches::run_kernel_sweep(std::size_t num_batches, double* b) const
+{
+  if (!_kernel_sweep || !_x.as_test)
+    return false;
+  impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, nullptr, b, nullptr};
+  for (const Array& a : _coefficients)
+  {
+    const double*& place = a.block_size == 1 ? cells.scalars : cells.values;
+    place = swept_values(a);
+    if (!place)
+      return false;
+  }
+  _kernel_sweep(&cells);
+  return true;
+}
+
 /// @returns number of batches that it has run
 std::size_t Batches::run_whole_batches(double* b, int stride, double* A, double* w, double* x) const
 {
-  if (!_sweep || _used.empty() || !_x.values || stride != padded_stride(_test.block_size) ||
-      _coefficients[_at_nodes].stride != stride || !_coefficients[_at_nodes].values)
+  if (_used.empty() || !_x.values || stride != padded_stride(_test.block_size))
     return 0;
   const std::size_t num_batches = _used.size() - (_used.back() < _width ? 1 : 0);
-  if (num_batches == 0)
-    return 0;
-  if (_kernel_sweep && _x.as_test)
-  {
-    const impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, _coefficients[0].values, b};
-    _kernel_sweep(&cells);
+  if (num_batches == 0 || run_kernel_sweep(num_batches, b))
     return num_batches;
-  }
+  if (!_sweep || !swept_values(_coefficients[_at_nodes]))
+    return 0;
   Sweep s;
   s.tabulate = _tabulate;
   s.num_batches = num_batches;

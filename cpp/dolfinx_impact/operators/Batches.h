@@ -60,7 +60,7 @@ public:
     int block_size = 1;
     int stride = 1; ///< entries per node of the values
     std::vector<std::int32_t> dofs;
-    bool as_test = false; ///< the test space's numbers: `dofs` is empty
+    bool as_test = false; ///< of the same numbers as the test space: `dofs` is empty
     gather_function gather = nullptr;
     std::string name;                         ///< of a coefficient
     std::shared_ptr<const Function> function; ///< of a coefficient
@@ -123,6 +123,7 @@ private:
   void add_sums(std::size_t batch, const double* A) const;
   void record_failures(std::size_t batch, const double* A) const;
   void store_results(std::size_t batch, const double* A) const;
+  bool run_kernel_sweep(std::size_t num_batches, double* b) const;
   std::size_t run_whole_batches(double* b, int stride, double* A, double* w, double* x) const;
 
   const impact_kernel* _kernel;
@@ -136,7 +137,7 @@ private:
   Array _x, _test;
   scatter_function _scatter = nullptr, _padded_scatter = nullptr;
   sweep_function _sweep = nullptr;           ///< over padded arrays, for kernels that it is right for; null for others
-  impact_sweep _kernel_sweep = nullptr;      ///< the kernel's own, instead of that, where positions have the same nodes
+  impact_sweep _kernel_sweep = nullptr;      ///< the kernel's own, before that, where all arrays have the same nodes
   const NodePositions* _positions = nullptr; ///< where _x is read from; null: the mesh
   OptionalFloatCells _float_cells;           ///< none: all is computed in double
   std::vector<Array> _coefficients;

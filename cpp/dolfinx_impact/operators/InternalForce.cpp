@@ -69,6 +69,14 @@ void InternalForce::read(const std::string& name, const double* values, int stri
       average->read(values, stride);
 }
 
+void InternalForce::read_positions(const NodePositions* positions)
+{
+  for (Batches& batches : _batches)
+    batches.read_positions(positions);
+  for (const auto& [displacement, average] : _averages)
+    average->read_positions(positions);
+}
+
 void InternalForce::add_average(std::shared_ptr<NodalAverage> average, std::string displacement)
 {
   _averages.emplace_back(std::move(displacement), std::move(average));

@@ -43,12 +43,8 @@ public:
   /// Read a coefficient from an array instead of from its function, in all integrals (Batches::read), and in averages
   /// if it is their displacement.
   void read(const std::string& name, const double* values, int stride = 0);
-  /// Read the nodes' positions from there (Batches::read_positions).
-  void read_positions(const NodePositions* positions)
-  {
-    for (Batches& batches : _batches)
-      batches.read_positions(positions);
-  }
+  /// Read the nodes' positions from there (Batches::read_positions), also in averages.
+  void read_positions(const NodePositions* positions);
 
   /// Compute the element vectors of all integrals in float from now on (FloatCells.h).
   /// @throws std::invalid_argument if a kernel does not exist in float

@@ -32,6 +32,8 @@ public:
   void update();
   /// Read the displacement from an array instead of from its function (Batches::read).
   void read(const double* displacement, int stride) { _measure->read(_displacement, displacement, stride); }
+  /// Read the nodes' positions from there (Batches::read_positions).
+  void read_positions(const NodePositions* positions) { _measure->read_positions(positions); }
   /// Reciprocals of the nodes' volumes, owned and ghosts; zero where a node has no cells [1/L^3].
   std::span<const double> inverse_volumes() const { return _inverse; }
 

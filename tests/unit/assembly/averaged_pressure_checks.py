@@ -93,6 +93,21 @@ def check_tangent_is_the_derivative_of_the_force():
         assert COMM.allreduce(float(np.sum((change - y.array) ** 2))) ** 0.5 < 1e-6 * size
 
 
+def check_explicit_force_is_that_of_the_operator():
+    """Explicit problems read means and padded displacements by the kernels' sweeps, the operator gathers batch by
+    batch. Sums over ranks may differ in their order: a limit of round-off."""
+    for law in LAWS:
+        u = bent(cube())
+        material = two_materials(u.function_space, law)
+        problem = di.ExplicitProblem(u, material)
+        form = operators.internal_force_form(u, ufl.TestFunction(u.function_space), material)
+        force = operators.InternalForce(form).apply().array
+        n = 3 * u.function_space.dofmap.index_map.size_local
+        found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
+        largest = COMM.allreduce(np.abs(force[:n]).max(), MPI.MAX)
+        assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
+
+
 def run(comm, until=0.4, integration="averaged_pressure"):
     """A plastic cube thrown against a plane."""
     V = cube(comm, 2)

@@ -6,12 +6,13 @@ import os
 import subprocess
 import sys
 
+import basix.ufl
 import pytest
 import ufl
 import user_forms
 
 from dolfinx_impact import _cpp
-from dolfinx_impact.forms import registry
+from dolfinx_impact.forms import averaged_pressure, registry
 from dolfinx_impact.forms.compiler import emit, frontend, kernel
 
 ROWS = [
@@ -69,6 +70,26 @@ def test_kernels_of_linear_cells_have_a_sweep(row, has_one):
     assert ("impact_row_0_sweep_4(" in text) == has_one
     assert ("kernels/sweep.h" in text) == has_one
     assert ("rounded(" in text) == has_one
+
+
+def test_a_sweep_reads_a_scalar_beside_the_displacement():
+    """Of means at the nodes and their measure: offsets and components (kernels/sweep.h: NodalArrays)."""
+    mesh = ufl.Mesh(basix.ufl.element("P", "tetrahedron", 1, shape=(3,)))
+    vector, scalar = (ufl.FunctionSpace(mesh, basix.ufl.element("P", "tetrahedron", 1, shape=s)) for s in ((3,), ()))
+    u, mean = ufl.Coefficient(vector), ufl.Coefficient(scalar)
+    law = averaged_pressure.NeoHookean(1.0, 0.3, "3d", mean)
+    forms = {
+        "{4, 4, 3, 0, 12, 3}": ufl.inner(law.stress(u), ufl.grad(ufl.TestFunction(vector))) * ufl.dx,
+        "{4, 4, 3, 0, -1, 1}": averaged_pressure.average(law.measure(u), ufl.TestFunction(scalar), "3d", ufl.dx),
+    }
+    for arrays, form in forms.items():
+        text = emit.source(frontend.form_integrals(form, "form", {u: "u", mean: "mean"}), "impact_row")[0]
+        assert text.count(f"NodalArrays{arrays}>(*cells)") == 2
+    by_element = ufl.Coefficient(ufl.FunctionSpace(mesh, basix.ufl.element("DG", "tetrahedron", 0)))
+    form = by_element * ufl.inner(u, ufl.TestFunction(vector)) * ufl.dx
+    assert (
+        "_sweep_4(" not in emit.source(frontend.form_integrals(form, "f", {u: "u", by_element: "k"}), "impact_row")[0]
+    )
 
 
 @pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
