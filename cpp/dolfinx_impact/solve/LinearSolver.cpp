@@ -19,8 +19,9 @@ namespace
 typedef LinearSolver::Options Options;
 
 // LU by MUMPS, which counts pivots that are round-off of the largest entries: a body that is free to move has such
-// pivots. One iteration with factors of its own matrix, some more with those of an earlier one.
-const Options direct_options{{"ksp_type", "gmres"},
+// pivots. One iteration with factors of its own matrix, some more with those of an earlier one. Flexible GMRES keeps
+// the preconditioned vectors, where GMRES would apply the factors once more to find the solution.
+const Options direct_options{{"ksp_type", "fgmres"},
                              {"pc_type", "lu"},
                              {"pc_factor_mat_solver_type", "mumps"},
                              {"mat_mumps_icntl_24", "1"},
@@ -370,7 +371,7 @@ void LinearSolver::choose_method(const char* method)
   KSPType type = nullptr;
   check(KSPGetType(_ksp, &type), "a linear solver is asked for");
   // Residuals as they are: preconditioned ones are all displacement where a body hangs on a few points.
-  if (!std::strcmp(type, KSPGMRES))
+  if (!std::strcmp(type, KSPGMRES) || !std::strcmp(type, KSPFGMRES))
   {
     if (_restart)
       check(KSPGMRESSetRestart(_ksp, _restart), "a linear solver is chosen");
