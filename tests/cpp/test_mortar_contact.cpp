@@ -114,6 +114,32 @@ TEST_CASE("a unit force presses one node, a unit gap opens it")
   CHECK(c.linearised_response(square.lifted(0.5), square.lifted(0.0)).first == std::vector<double>(3, 0.5));
 }
 
+TEST_CASE("nodes that would overlap by more than a part of the largest overlap are predicted to close")
+{
+  const SquareOnPlane square;
+  MortarContact c = square.contact();
+  c.begin_step(square.u, {});
+  c.update_gap(square.u);
+  // The three nodes move down by 0.1, 0.2 and 0.3.
+  std::vector<double> increments(square.u.size(), 0.0);
+  for (std::size_t i = 0; i < 3; ++i)
+    increments[2 * c.nodes()[i] + 1] = -0.1 * double(i + 1);
+  const auto active = [&] { return std::vector<std::int8_t>(c.active().begin(), c.active().end()); };
+  c.predict_active_set(square.lifted(0.1), 0.5); // apart
+  CHECK(active() == std::vector<std::int8_t>{0, 0, 0});
+  c.predict_active_set(increments, 0.9);
+  CHECK(active() == std::vector<std::int8_t>{0, 0, 1});
+  c.predict_active_set(increments, 0.5);
+  CHECK(active() == std::vector<std::int8_t>{0, 1, 1});
+  c.predict_active_set(increments, 0.9); // what is in contact stays so
+  CHECK(active() == std::vector<std::int8_t>{0, 1, 1});
+  MortarContact rough = square.contact({.friction = 0.3});
+  rough.begin_step(square.u, {});
+  rough.update_gap(square.u);
+  rough.predict_active_set(increments, 0.5);
+  CHECK(rough.num_active() == 0);
+}
+
 TEST_CASE("contacts with common nodes keep their multipliers, or are refused")
 {
   SquareOnPlane square;

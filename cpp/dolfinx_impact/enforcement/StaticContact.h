@@ -227,6 +227,13 @@ public:
   /// Rotate the friction tractions of the last iteration to the present tangent planes.
   virtual void rotate_friction_traction() = 0;
 
+  /// Predict the active set of an increment that has just begun: close the nodes that would overlap by more than a part
+  /// of the largest overlap if the bodies moved by increments. Nodes in contact stay so. Contacts with friction, whose
+  /// solution may depend on the way, are left as they are. Collective.
+  /// @param[in] increments of displacement, owned [L]
+  /// @param[in] part of the largest overlap [1]
+  virtual void predict_active_set(std::span<const double> /*increments*/, double /*part*/) {}
+
   // --- the active set from responses of the bodies at single nodes (frictionless contacts) -------------------------
   /// Displacements that open a gap of one at a node, owned [L].
   /// @param[in] number global number of the node

@@ -5,6 +5,7 @@
 #include "../operators/petsc_check.h"
 #include "LinearisedActiveSet.h"
 #include "equilibrium.h"
+#include "rigid_supports.h"
 #include "unconstrained_modes.h"
 #include <algorithm>
 #include <chrono>
@@ -30,6 +31,15 @@ constexpr double far = 1e-6;
 constexpr double parts[] = {1.0, 0.5, 0.25, 0.125, 0.0625}; // fractions of a step that a line search tries
 constexpr int searches = 8;                                 // evaluations of a line search
 constexpr double steep_end = 0.5;                           // slope at its end relative to that at its start
+
+// Nodes of the predicted active set overlap by more than this part of the largest overlap, were the bodies rigid. Round
+// bodies touch where undeformed gaps are less than a part of their approach: a half in space (Hertz); in the plane the
+// part is 1/(2 log(2 d/a)) with d the depth of the bodies and a the half-width of contact (Johnson, Contact mechanics,
+// 1985, 5.6), a fifth where d is ten times a. In space some more nodes are closed than Hertz's: to a multigrid
+// hierarchy nodes that open later cost less than nodes that close. A prediction costs or saves time; the solution does
+// not depend on it.
+constexpr double overlap_in_space = 0.42;
+constexpr double overlap_in_plane = 0.8;
 
 /// Adds the time that it lives to a sum.
 class Clock
@@ -314,6 +324,8 @@ Increment Newton::run(std::span<const double> target)
     if (iteration == 0 && !_contacts.empty() && !body.properties().has_inertia)
       if (const std::string loose = unconstrained_modes(K); !loose.empty())
         return result.failed(loose, true);
+    if (iteration == 0 && !moved)
+      predict_active_sets(jump);
     inner = tangent_force(K);
     first_inner = iteration == 0 ? inner : first_inner;
     inner = std::max(inner, first_inner);
@@ -604,6 +616,24 @@ std::pair<std::int64_t, std::int64_t> Newton::update_active_sets(std::span<const
     for (const enforcement::MultiplierContact* contact : _multipliers)
       pending += contact->num_turning();
   return {changes, pending};
+}
+
+/// Close the nodes that are likely to close, before the first factorisation or hierarchy: where bodies would overlap if
+/// they followed their supports without deformation. Collective.
+/// @param[in] jump increments of the prescribed displacements [L]
+void Newton::predict_active_sets(std::span<const double> jump)
+{
+  const Clock clock(seconds.contact);
+  const EquilibriumProblem& p = *_problem;
+  // Where multipliers stay in the system every update is a factorisation of its own, whatever it starts from; bodies
+  // with inertia do not follow their supports at once.
+  if (_multipliers.empty() || _saddle || _fields || p.body->properties().has_inertia)
+    return;
+  const operators::RigidBodyModes motions(p.space(), u(), p.axisymmetric);
+  const std::vector<double> increments = rigid_extrapolation(motions, p.fixed, jump);
+  const double part = _gdim == 3 || p.axisymmetric ? overlap_in_space : overlap_in_plane;
+  for (enforcement::MultiplierContact* contact : _multipliers)
+    contact->predict_active_set(increments, part);
 }
 
 /// Norm of a residual without the equations of multipliers and supports [F]. Collective.

@@ -120,6 +120,7 @@ private:
   std::string over_constrained() const;
   Increment did_not_converge(Increment result, bool moved, bool small, std::int64_t pending, double violation);
   std::pair<std::int64_t, std::int64_t> update_active_sets(std::span<const double> residual, bool first);
+  void predict_active_sets(std::span<const double> jump);
   double free_norm(std::span<const double> residual);
   std::unique_ptr<enforcement::Condensation> condensation();
   std::vector<double> product(std::span<const Mat> matrices, std::span<const double> values) const;

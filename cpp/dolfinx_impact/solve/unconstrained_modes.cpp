@@ -3,6 +3,7 @@
 #include "../common/text.h"
 #include "../operators/petsc_check.h"
 #include "dense.h"
+#include "rigid_supports.h"
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -71,28 +72,6 @@ Combinations without_resistance(Mat K, const RigidBodyModes& motions, const Comb
   for (int k = 0; k < n; ++k)
     if (std::sqrt(squares[k]) < unresisted * norm * std::sqrt(squares[n + k]))
       out.push_back(combined(k, modes));
-  return out;
-}
-
-/// Work of the supports on the modes: products of their rows, summed over this rank.
-std::vector<double> products_of_supports(const RigidBodyModes& motions, std::span<const std::int8_t> fixed)
-{
-  const int gdim = motions.gdim(), per_body = motions.per_body(), num = motions.num_modes();
-  std::vector<double> out(std::size_t(num) * num, 0.0), row(num);
-  for (std::int32_t node = 0; node < motions.num_owned(); ++node)
-    for (int c = 0; c < gdim; ++c)
-    {
-      if (!fixed[std::size_t(node) * gdim + c])
-        continue;
-      double axis[3] = {0.0, 0.0, 0.0};
-      axis[c] = 1.0;
-      const int first = motions.body()[node] * per_body;
-      std::fill_n(row.begin() + first, per_body, 0.0);
-      motions.add_work(motions.body()[node], motions.x().data() + std::size_t(node) * gdim, axis, 1.0, row);
-      for (int i = first; i < first + per_body; ++i)
-        for (int j = first; j < first + per_body; ++j)
-          out[std::size_t(i) * num + j] += row[i] * row[j];
-    }
   return out;
 }
 } // namespace

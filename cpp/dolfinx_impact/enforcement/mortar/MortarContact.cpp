@@ -789,6 +789,30 @@ MortarContact::linearised_response(std::span<const double> increments, std::span
   return {std::move(gap), normal_tractions(_usable, linearisation().nodes, at_nodes(forces))};
 }
 
+void MortarContact::predict_active_set(std::span<const double> increments, double part)
+{
+  if (has_friction())
+    return;
+  const int g = _geometry->gdim();
+  const std::vector<double> jump = _geometry->jump(increments);
+  const SlaveNodes& n = _geometry->now();
+  std::vector<double> overlap(_geometry->num_nodes(), 0.0);
+  double deepest = 0.0;
+  for (std::size_t i = 0; i < overlap.size(); ++i)
+  {
+    if (!_usable[i])
+      continue;
+    overlap[i] = -n.gap[i] - dot(&n.normal[i * g], &jump[i * g], g);
+    deepest = std::max(deepest, overlap[i]);
+  }
+  deepest = common::largest(_geometry->comm(), deepest);
+  if (deepest <= _geometry->tolerance())
+    return;
+  for (std::size_t i = 0; i < overlap.size(); ++i)
+    _state.active[i] |= _usable[i] && overlap[i] > part * deepest;
+  tell_partners();
+}
+
 void MortarContact::correct_linearisation(std::span<const double> u)
 {
   const GapAndSlip there = _geometry->evaluate_at(u);

@@ -114,6 +114,7 @@ public:
   void set_redundant(std::span<const std::int32_t> redundant) override;
   std::vector<std::int32_t> over_constrained() const override;
   void rotate_friction_traction() override;
+  void predict_active_set(std::span<const double> increments, double part) override;
   std::vector<double> unit_gap(std::int64_t number) const override;
   std::vector<double> unit_force(std::int64_t number) const override;
   std::span<const double> linearised_gap() const override { return _linearised.gap; }
