@@ -7,12 +7,16 @@ moved down by a depth, so that a column is pressed with E (depth - gap).
 
 import basix.ufl
 import numpy as np
+import predicted_active_set_checks
 import pytest
 import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
+from on_ranks import rank_tests
 
 import dolfinx_impact as di
+
+test_one_rank, test_several_ranks = rank_tests(predicted_active_set_checks)
 
 E, GAPS = 1000.0, np.array([0.01, 0.02, 0.03, 0.04, 0.05])
 PER_COLUMN = 2  # nodes that a column may touch with
