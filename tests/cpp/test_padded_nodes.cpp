@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Forces from arrays with four entries per node, in one sweep, are those from DOLFINx's arrays.
 #include <basix/finite-element.h>
-#include <bit>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/generators/catch_generators.hpp>
@@ -146,7 +145,7 @@ TEST_CASE("forces in float from padded arrays, whose positions are kept until th
 }
 
 // Arrays are read by the vectors of a kernel's sweep, and by the calls that it stands for.
-TEST_CASE("a kernel's own sweep gives the same bits as its calls")
+TEST_CASE("a kernel's own sweep gives the same as its calls")
 {
   int swept = 0;
   for (const impact_kernel* kernel : kernels::table())
@@ -189,13 +188,14 @@ TEST_CASE("a kernel's own sweep gives the same bits as its calls")
         scatter(width, bs, stride)(A.data(), own, nodes, width, expected.data());
       }
       INFO(kernel->name << " on " << kernel->cell << ", " << kernel->hypothesis << ", " << width << " cells at once");
-      bool any = false;
+      // The compiler may fuse other products and sums in one of them, so that some of the hundred terms of a force are
+      // rounded once more.
+      double largest = 0.0;
+      for (const double f : expected)
+        largest = std::max(largest, std::abs(f));
+      CHECK(largest > 0.0);
       for (std::size_t i = 0; i < found.size(); ++i)
-      {
-        CHECK(std::bit_cast<std::uint64_t>(found[i]) == std::bit_cast<std::uint64_t>(expected[i]));
-        any = any || found[i] != 0.0;
-      }
-      CHECK(any);
+        CHECK(std::abs(found[i] - expected[i]) <= 100 * 1.1e-16 * largest);
     }
 #if defined(__x86_64__) && defined(__GNUC__)
   CHECK((swept > 0) == (kernels::processor_width() >= 4));

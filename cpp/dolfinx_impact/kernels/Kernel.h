@@ -31,7 +31,7 @@ extern "C"
     const double* scalars;   ///< of the scalar coefficient; null: the kernel has none
   } impact_cells;
 
-  /// Gathers, computes and scatters batch by batch: what tabulate gives, to the last bit, in less time.
+  /// Gathers, computes and scatters batch by batch: what tabulate gives, to round-off, in less time.
   typedef void (*impact_sweep)(const impact_cells* cells);
 
   /// A finite element as far as a kernel depends on it.

@@ -108,7 +108,7 @@ std::vector<double> seconds_per_cell(const impact_kernel& kernel, const std::vec
 
 int fastest_width(const impact_kernel& kernel, const std::vector<int>& widths)
 {
-  constexpr double margin = 0.9;
+  constexpr double margin = 0.75;
   static std::map<const impact_kernel*, int> found;
   static std::mutex mutex;
   const std::lock_guard lock(mutex);

@@ -17,7 +17,7 @@ std::vector<double> reference_nodes(const impact_kernel& kernel);
 /// @throws std::invalid_argument for a width that there is not
 std::vector<double> seconds_per_cell(const impact_kernel& kernel, const std::vector<int>& widths);
 
-/// The width among `widths` (widest first) that a kernel is fastest with. A narrower one has to be faster by a tenth:
+/// The width among `widths` (widest first) that a kernel is fastest with. A narrower one has to be faster by a quarter:
 /// sums of two widths may differ in the last digit, and runs shall not differ because a measurement was noisy.
 /// Measured once for each kernel in a process, in a fraction of a millisecond.
 int fastest_width(const impact_kernel& kernel, const std::vector<int>& widths);
