@@ -177,14 +177,14 @@ class Integral:
         if self.integral_type != "cell" or self.rank != 1 or self.law is not None:
             return None
         positions, test = self.coordinate_element, self.argument_elements[0]
+        simplices, boxes = ("triangle", "tetrahedron"), ("quadrilateral", "hexahedron")
+        cell = positions.cell_type.name
         vectors = [c for c in self.coefficients if c.element.block_size == positions.block_size]
-        if len(vectors) != 1 or positions.embedded_superdegree != 1:
+        if cell not in simplices + boxes or len(vectors) != 1 or positions.embedded_superdegree != 1:
             return None
         element = vectors[0].element
-        scalar, cell = element.sub_elements[0], positions.cell_type.name
-        linear = ("triangle", "tetrahedron", "quadrilateral", "hexahedron")
-        others = [c for c in self.coefficients if c is not vectors[0]]
-        if cell not in {1: linear, 2: linear[:2]}.get(element.embedded_superdegree, ()):
+        scalar, others = element.sub_elements[0], [c for c in self.coefficients if c is not vectors[0]]
+        if cell not in {1: simplices + boxes, 2: simplices}.get(element.embedded_superdegree, ()):
             return None
         if len(others) > 1 or any(c.element != scalar for c in others) or test not in (element, scalar):
             return None

@@ -232,7 +232,7 @@ public:
   /// solution may depend on the way, are left as they are. Collective.
   /// @param[in] increments of displacement, owned [L]
   /// @param[in] part of the largest overlap [1]
-  virtual void predict_active_set(std::span<const double> /*increments*/, double /*part*/) {}
+  virtual void predict_active_set([[maybe_unused]] std::span<const double> increments, [[maybe_unused]] double part) {}
 
   // --- the active set from responses of the bodies at single nodes (frictionless contacts) -------------------------
   /// Displacements that open a gap of one at a node, owned [L].

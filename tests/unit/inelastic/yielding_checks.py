@@ -25,7 +25,7 @@ import dolfinx_impact as di
 LENGTH, RADIUS, SPEED = 32.4e-3, 3.2e-3, 227.0
 
 
-SAVED = 90  # step in which the foot presses on the wall
+SAVED = 100  # step in which the foot presses on the wall
 
 
 def taylor_bar(domain, make):
