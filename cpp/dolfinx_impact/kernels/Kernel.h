@@ -119,8 +119,8 @@ extern "C"
     int local_unknowns; ///< of the equations solved at each point; 0: none
     double flops;       ///< additions, multiplications and divisions per cell
     impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];
-    /// Of kernels over linear cells that read positions, a coefficient with as many components and at most one scalar
-    /// at the nodes that they add to; null for others and where there are no vectors.
+    /// Of kernels over cells with straight sides that read positions, a coefficient with as many components and at most
+    /// one scalar at the nodes that they add to; null for others and where there are no vectors.
     impact_sweep sweep[IMPACT_KERNEL_WIDTHS];
   } impact_kernel;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-// Gather, kernel and scatter in one function, for kernels of linear cells: a call and the arrays that it passes cost as
+// Gather, kernel and scatter in one function, for kernels of cells with straight sides: a call and its arrays cost as
 // much as a node of a linear tetrahedron. Included by generated sources for widths of 4 and 8 on x86. Vectors are
 // put together in registers: lanes that are written one by one and read whole stall the processor (the stores cannot be
 // forwarded). Only the compiler's own vectors are used: a header of intrinsics takes longer to read than the kernel.

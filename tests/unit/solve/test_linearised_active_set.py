@@ -6,12 +6,10 @@ on the plane with (q - k g) / (1 + k/E) if that is positive, and not at all else
 of the last solve, must be enough: what closes and what opens follows from responses to unit forces and unit gaps.
 """
 
-import basix.ufl
 import numpy as np
 import pytest
-import ufl
-from dolfinx import fem, mesh
-from mpi4py import MPI
+from dolfinx import fem
+from lifted_columns import lifted_columns
 
 import dolfinx_impact as di
 from dolfinx_impact.contact.mortar.lagrange import LagrangeContact
@@ -23,15 +21,7 @@ PER_COLUMN = 2  # nodes that a column may touch with
 @pytest.fixture
 def columns():
     """Contact problem of five squares side by side, each lifted by its gap; the load on their tops."""
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
-    points = np.concatenate([corners + [2.0 * k, gap] for k, gap in enumerate(GAPS)])
-    element = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
-    domain = mesh.create_mesh(MPI.COMM_SELF, np.arange(4 * len(GAPS)).reshape(-1, 4), x=points, e=element)
-    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
-    facets = [mesh.locate_entities_boundary(domain, 1, side) for side in (lambda x: x[1] < 0.5, lambda x: x[1] > 0.9)]
-    order = np.argsort(np.concatenate(facets))
-    values = np.repeat([1, 2], [len(f) for f in facets]).astype(np.int32)
-    tags = mesh.meshtags(domain, 1, np.concatenate(facets)[order], values[order])
+    V, tags = lifted_columns(GAPS)
     guided = fem.dirichletbc(0.0, fem.locate_dofs_topological(V.sub(0), 1, tags.find(2)), V.sub(0))
     load = di.Traction(tags, 2, (0.0, 0.0))
     pair = di.ContactPair(tags, slave=1, master=di.RigidPlane((0.0, 0.0), (0.0, 1.0)))

@@ -5,13 +5,11 @@ Columns of height 1 without lateral contraction stand side by side over a plane,
 moved down by a depth, so that a column is pressed with E (depth - gap).
 """
 
-import basix.ufl
 import numpy as np
 import predicted_active_set_checks
 import pytest
-import ufl
-from dolfinx import fem, mesh
-from mpi4py import MPI
+from dolfinx import fem
+from lifted_columns import lifted_columns
 from on_ranks import rank_tests
 
 import dolfinx_impact as di
@@ -25,18 +23,10 @@ ROUND_OFF = 1e-9
 
 def pressed_columns(depth: float, friction: float = 0.0):
     """Problem of five squares side by side, each lifted by its gap, and the displacement of their tops."""
-    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
-    points = np.concatenate([corners + [2.0 * k, gap] for k, gap in enumerate(GAPS)])
-    element = ufl.Mesh(basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,)))
-    domain = mesh.create_mesh(MPI.COMM_SELF, np.arange(4 * len(GAPS)).reshape(-1, 4), x=points, e=element)
-    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
-    facets = [mesh.locate_entities_boundary(domain, 1, side) for side in (lambda x: x[1] < 0.5, lambda x: x[1] > 0.9)]
-    order = np.argsort(np.concatenate(facets))
-    values = np.repeat([1, 2], [len(f) for f in facets]).astype(np.int32)
-    tags = mesh.meshtags(domain, 1, np.concatenate(facets)[order], values[order])
-    down = fem.Constant(domain, -depth)
+    V, tags = lifted_columns(GAPS)
+    down = fem.Constant(V.mesh, -depth)
     bcs = [fem.dirichletbc(value, fem.locate_dofs_topological(V.sub(c), 1, tags.find(2)), V.sub(c))
-           for c, value in ((0, fem.Constant(domain, 0.0)), (1, down))]  # fmt: skip
+           for c, value in ((0, fem.Constant(V.mesh, 0.0)), (1, down))]  # fmt: skip
     plane = di.RigidPlane((0.0, 0.0), (0.0, 1.0))
     pair = di.ContactPair(tags, slave=1, master=plane, friction=friction)
     law = di.LinearElastic(E, 0.0, 1.0, "plane_strain")
