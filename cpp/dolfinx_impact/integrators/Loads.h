@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../operators/lanes.h"
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,7 +29,8 @@ public:
   /// @param[in] amplitudes at the present time [1]
   void apply(const double* amplitudes);
 
-  /// Forces by owned entry, as `apply` left them [F]; null if there are no loads.
+  /// Forces by owned entry, as `apply` left them [F]; null if there are no loads. Their memory begins
+  /// with a cache line.
   const double* forces() const { return _forces.empty() ? nullptr : _forces.data(); }
   /// Force at one owned entry [F].
   double force(std::size_t entry) const { return _forces.empty() ? 0.0 : _forces[entry]; }
@@ -43,6 +45,6 @@ private:
   };
   std::size_t _size;
   std::vector<Load> _loads;
-  std::vector<double> _forces;
+  operators::AlignedVector _forces;
 };
 } // namespace dolfinx_impact::integrators

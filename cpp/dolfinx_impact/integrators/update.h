@@ -30,7 +30,7 @@ struct Coefficients
 /// step. Degrees of freedom without inverse mass keep moving as they do.
 /// @param[in] n degrees of freedom
 /// @param[in,out] r what equilibrium lacks: internal forces less contact and others
-/// @param[in] load external forces, or null
+/// @param[in] load external forces, or null; all arrays begin with a cache line (operators::AlignedVector)
 /// @param[in] inverse_mass per degree of freedom; zero where velocities are prescribed [1/M]
 /// @param[in] mass per degree of freedom, for the sums [M]
 /// @param[in,out] u, v displacements and velocities
