@@ -11,9 +11,10 @@ import ffcx.codegeneration.lnodes as L
 import numpy as np
 
 from .cxx import AnyLane, CxxFormatter, LocalSolve, Rounded
+from .differences import reads_differences
 from .frontend import _kind
 from .integrands import integrands
-from .kernel import KernelWriter, decoded
+from .kernel import KernelWriter, W, X, decoded
 
 # Part of every signature and cache key: raised when generated code changes its meaning or its interface.
 VERSION = "4"
@@ -204,12 +205,21 @@ def definitions(integrals, prefix, linkage=OBJECT):
             how = {"function": linkage.function, "symbol": symbol + "_kernel", "lanes": lanes, "guard": guard}
             out.append(INSTANCE.format(**how))
         for lanes in _swept(integral):
-            arrays = ", ".join(map(str, astuple(integral.swept_arrays)))
+            arrays = _nodal_arrays(integral.swept_arrays, tree)
             how = {"function": linkage.function, "symbol": symbol, "lanes": lanes, "guard": GUARDS[lanes]}
             out.append(SWEEP.format(**how, arrays=arrays))
         out.append(_descriptor(integral, symbol, flops(tree), group, linkage))
         names.append(symbol)
     return "".join(out), names
+
+
+def _nodal_arrays(swept, tree):
+    """Members of NodalArrays (kernels/sweep.h), of which the last two are how the kernel reads what it is given."""
+    by_difference = (
+        reads_differences(tree, X.name, 0, swept.num_positions, 3),
+        reads_differences(tree, W.name, swept.offset, swept.num_nodes, swept.components),
+    )
+    return ", ".join([*map(str, astuple(swept)), *("true" if b else "false" for b in by_difference)])
 
 
 def _swept(integral):

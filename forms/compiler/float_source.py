@@ -46,7 +46,7 @@ extern "C" void {symbol}_sweep_{width}(const impact_float_cells* cells)
 {{
   typedef dolfinx_impact::kernels::floats::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::floats::swept::sweep<{lanes}, dolfinx_impact::kernels::floats::{symbol}<T>, {nodes},
-                                                {positions}>(*cells);
+                                                {positions}, {constants}>(*cells);
 }}
 #endif
 """
@@ -115,7 +115,7 @@ def source(integral, kernel):
     geometry = integral.coordinate_element.dim // integral.coordinate_element.block_size
     swept = {width: lanes for width, lanes in LANES.items() if width > 1}
     for width, lanes in swept.items():
-        size = {"nodes": nodes, "positions": geometry}
+        size = {"nodes": nodes, "positions": geometry, "constants": sum(c.size for c in integral.constants)}
         out.append(SWEEP.format(width=width, symbol=symbol, lanes=lanes, **size))
     declared = "\n".join(
         f'extern "C" void {symbol}_{width}(float*, const float*, const double*, const float*);' for width in LANES

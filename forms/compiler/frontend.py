@@ -131,6 +131,7 @@ class SweptArrays:
         offset: its first entry in w.
         scalar_offset: first entry in w of the scalar coefficient, -1: there is none.
         test_components: of the test function.
+        num_constants: values of constants.
     """
 
     num_nodes: int
@@ -139,6 +140,7 @@ class SweptArrays:
     offset: int
     scalar_offset: int
     test_components: int
+    num_constants: int
 
 
 @dataclass
@@ -195,6 +197,7 @@ class Integral:
             offset=vectors[0].offset,
             scalar_offset=others[0].offset if others else -1,
             test_components=test.block_size,
+            num_constants=sum(c.size for c in self.constants),
         )
 
     @property

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Small dense matrices by LAPACK, against closed forms.
+// Small dense matrices, against closed forms.
+#include <algorithm>
 #include <array>
 #include <catch2/catch_approx.hpp>
 #include <catch2/catch_test_macros.hpp>
 #include <cmath>
-#include <dolfinx_impact/operators/SymmetricMatrix.h>
+#include <dolfinx_impact/operators/SymmetricMatrices.h>
 #include <dolfinx_impact/solve/dense.h>
 #include <numbers>
 
@@ -76,32 +77,45 @@ TEST_CASE("a dense system is given column after column, and a singular one has n
   CHECK_FALSE(solve::solve_dense({1.0, 2.0, 2.0, 4.0}, {1.0, 1.0}));
 }
 
-TEST_CASE("traces and extreme eigenvalues, one matrix after the other in the same memory")
+TEST_CASE("the ends of the spectra of several matrices at a time")
 {
-  const int n = 6;
-  operators::SymmetricMatrix A(n);
-  for (const double factor : {1.0, 3.0})
+  // The rows of chains are put into another order, so that they are not tridiagonal; factors differ from matrix to
+  // matrix, the second set of them is written into the memory of the first one.
+  for (const int n : {1, 2, 3, 11, 24})
   {
-    const auto write = [&]
+    operators::SymmetricMatrices A(n);
+    for (const double factor : {1.0, -3e9})
     {
-      for (int i = 0; i < n; ++i)
-        for (int j = 0; j < n; ++j)
-          A(i, j) = factor * chain_entry(i, j);
-    };
-    std::array<double, 3> sums{};
-    for (int k = 1; k <= n; ++k)
-      for (int power = 0; power < 3; ++power)
-        sums[power] += std::pow(factor * chain_eigenvalue(n, k), power + 1);
-    write();
-    const operators::Traces traces = A.traces();
-    CHECK(traces.first == Approx(sums[0]).epsilon(1e-13));
-    CHECK(traces.second == Approx(sums[1]).epsilon(1e-13));
-    CHECK(traces.third == Approx(sums[2]).epsilon(1e-13));
-    CHECK(traces == operators::Traces{sums[0], sums[1], sums[2]});
-    CHECK_FALSE(traces == operators::Traces{sums[0], sums[1], sums[2] * (1.0 + 1e-9)});
-    write();
-    const std::array<double, 2> extremes = A.extreme_eigenvalues();
-    CHECK(extremes[0] == Approx(factor * chain_eigenvalue(n, 1)).epsilon(1e-12));
-    CHECK(extremes[1] == Approx(factor * chain_eigenvalue(n, n)).epsilon(1e-12));
+      const auto scale = [factor](int which) { return which == 3 ? 0.0 : factor * std::pow(10.0, which); };
+      for (int which = 0; which < operators::SymmetricMatrices::num; ++which)
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j <= i; ++j)
+            A(which, i, j) = scale(which) * chain_entry(7 * i % n, 7 * j % n);
+      const auto found = A.extreme_eigenvalues();
+      for (int which = 0; which < operators::SymmetricMatrices::num; ++which)
+      {
+        const double a = scale(which) * chain_eigenvalue(n, 1), b = scale(which) * chain_eigenvalue(n, n);
+        const double margin = 1e-14 * std::abs(b); // some tens of units of round-off of the largest
+        CHECK(found[which][0] == Approx(std::min(a, b)).margin(margin));
+        CHECK(found[which][1] == Approx(std::max(a, b)).margin(margin));
+      }
+    }
+  }
+}
+
+TEST_CASE("ends of a spectrum that many eigenvalues share")
+{
+  // I + 4 v v^T with a unit vector v: one but for one eigenvalue of five.
+  const int n = 12;
+  operators::SymmetricMatrices A(n);
+  for (int which = 0; which < operators::SymmetricMatrices::num; ++which)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j <= i; ++j)
+        A(which, i, j) = (i == j ? 1.0 : 0.0) + (which % 2 ? -4.0 : 4.0) / n;
+  const auto found = A.extreme_eigenvalues();
+  for (int which = 0; which < operators::SymmetricMatrices::num; ++which)
+  {
+    CHECK(found[which][0] == Approx(which % 2 ? -3.0 : 1.0).epsilon(1e-14));
+    CHECK(found[which][1] == Approx(which % 2 ? 1.0 : 5.0).epsilon(1e-14));
   }
 }

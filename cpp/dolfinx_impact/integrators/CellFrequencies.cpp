@@ -21,10 +21,33 @@ std::size_t CellFrequencies::width() const
   return std::size_t(_space->dofmap()->bs()) * _space->dofmap()->element_dof_layout().num_dofs();
 }
 
-std::vector<double> CellFrequencies::masses() const
+std::vector<double> CellFrequencies::masses(operators::CellMask only) const
 {
-  std::vector<double> out = _masses();
-  const std::size_t n = width();
+  const std::size_t n = width(), bs = std::size_t(_space->dofmap()->bs());
+  std::vector<double> out;
+  if (_kept.empty())
+  {
+    out = _masses();
+    if (_keeps)
+    {
+      _by_node = true;
+      for (std::size_t i = 0; _by_node && i < out.size(); i += bs)
+        _by_node = std::all_of(out.begin() + i, out.begin() + i + bs, [&](double m) { return m == out[i]; });
+      const std::size_t step = _by_node ? bs : 1;
+      _kept.resize(out.size() / step);
+      for (std::size_t i = 0; i < _kept.size(); ++i)
+        _kept[i] = out[i * step];
+    }
+  }
+  else
+  {
+    const std::size_t step = _by_node ? bs : 1;
+    out.resize(_kept.size() * step);
+    for (std::size_t cell = 0; cell < out.size() / n; ++cell)
+      if (!only || (*only)[cell])
+        for (std::size_t i = cell * n; i < (cell + 1) * n; ++i)
+          out[i] = _kept[i / step];
+  }
   for (std::size_t cell = 0; cell < _factor.size(); ++cell)
     for (std::size_t i = 0; i < n; ++i)
       out[cell * n + i] *= _factor[cell];
@@ -33,7 +56,9 @@ std::vector<double> CellFrequencies::masses() const
 
 CellFrequencies::Spectra CellFrequencies::by_cell(operators::CellMask only)
 {
-  const std::vector<double> m = masses();
+  // Facets belong to two cells, of which one may not be asked for.
+  const bool joins = _stiffness->joins_cells() || (_damping && _damping->joins_cells());
+  const std::vector<double> m = masses(joins ? std::nullopt : only);
   const std::size_t num = m.size() / width();
   const auto largest = [&](operators::CellBounds& bounds)
   {

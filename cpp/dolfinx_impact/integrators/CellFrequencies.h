@@ -12,7 +12,7 @@ namespace dolfinx_impact::integrators
 class CellFrequencies
 {
 public:
-  /// Lumped masses of owned cells by local degree of freedom [M]; called when they are needed, and not kept.
+  /// Lumped masses of owned cells by local degree of freedom [M]; called when they are needed.
   typedef std::function<std::vector<double>()> Masses;
 
   /// @param[in] stiffness derivative of the internal force
@@ -21,8 +21,11 @@ public:
   CellFrequencies(std::shared_ptr<const operators::FunctionSpace> V, std::shared_ptr<operators::CellBounds> stiffness,
                   std::shared_ptr<operators::CellBounds> damping, Masses masses);
 
+  /// Keep the masses once they are known: frequencies will be asked for often. Else they take no memory.
+  void keep_masses() { _keeps = true; }
   /// With the factors of mass scaling [M].
-  std::vector<double> masses() const;
+  /// @param[in] only mask of the owned cells whose masses are read, those of others are zero; nothing: all
+  std::vector<double> masses(operators::CellMask only = std::nullopt) const;
   struct Spectra
   {
     std::vector<double> squares; ///< of the highest angular frequency, by cell [1/T^2]
@@ -56,7 +59,12 @@ private:
   std::shared_ptr<const operators::FunctionSpace> _space;
   std::shared_ptr<operators::CellBounds> _stiffness, _damping;
   Masses _masses;
-  std::vector<double> _factor; ///< of each owned cell's mass; empty: no factors [1]
+  bool _keeps = false;
+  /// Masses without factors, by owned cell and local node, or degree of freedom where those of a node differ; empty:
+  /// not kept [M].
+  mutable std::vector<double> _kept;
+  mutable bool _by_node = false; ///< is `_kept` by node?
+  std::vector<double> _factor;   ///< of each owned cell's mass; empty: no factors [1]
   std::int64_t _num_looks = 0, _num_cells = 0;
 };
 } // namespace dolfinx_impact::integrators

@@ -17,6 +17,8 @@ SafeStep::SafeStep(const std::shared_ptr<const operators::Function>& u, std::sha
     : _u(u), _frequencies(std::move(frequencies)), _steps(std::move(steps)), _kind(kind), _integrator(integrator),
       _periodic(kind.periodic), _check_step(kind.flows ? first_check : _longest), _check_interval(_check_step)
 {
+  if (kind.watched || kind.periodic)
+    _frequencies->keep_masses();
   if (kind.watched)
     _watch.emplace(*u->function_space(), _frequencies, _steps, integrator);
   _value = _watch ? _watch->find_all(u->x()->array()) : compute();

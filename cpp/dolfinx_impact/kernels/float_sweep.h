@@ -153,7 +153,8 @@ IMPACT_ALWAYS_INLINE void scatter(double* result, const int* nodes, double scale
 /// @tparam kernel the kernel for vectors of W cells, which becomes a part of this function
 /// @tparam N nodes of a cell, with three components each
 /// @tparam P nodes of its geometry
-template <int W, auto kernel, int N, int P>
+/// @tparam C number of constants
+template <int W, auto kernel, int N, int P, int C>
 IMPACT_ALWAYS_INLINE void sweep(const impact_float_cells& cells)
 {
   typedef typename Lanes<W>::type T;
@@ -161,6 +162,9 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_float_cells& cells)
   const impact_float_cells s = cells; // a copy: what is added to the result could change what is read by reference
   const int* nodes = s.nodes;
   const float* places = s.places;
+  double constants[C + 1]{}; // copies: what follows from them is computed once
+  for (int i = 0; i < C; ++i)
+    constants[i] = s.constants[i];
   for (unsigned long long batch = 0; batch < s.num_batches; ++batch)
   {
     T x[3 * P], w[3 * N], A[3 * N];
@@ -174,7 +178,7 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_float_cells& cells)
 #pragma GCC unroll 48
     for (int i = 0; i < 3 * N; ++i)
       A[i] = -T{}; // added to -0 a number is itself, also -0: compilers leave the sum out
-    kernel(A, w, s.constants, x);
+    kernel(A, w, constants, x);
     scatter<W, N>(s.result, nodes, s.force_scale, A);
     nodes += W * N;
     places += 3 * (P - 1) * W;

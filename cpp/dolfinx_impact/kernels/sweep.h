@@ -27,6 +27,9 @@ struct NodalArrays
   int offset;          ///< of its first entry in the kernel's coefficients
   int scalar_offset;   ///< of the scalar coefficient's first entry; -1: there is none
   int test_components; ///< of the result
+  int num_constants;
+  bool position_differences; ///< does the kernel read positions by their differences to that of the first node alone?
+  bool value_differences;    ///< the same of the coefficient that has components
 
   constexpr int num_values() const { return num_nodes * (components + (scalar_offset >= 0 ? 1 : 0)); }
 };
@@ -151,6 +154,25 @@ IMPACT_ALWAYS_INLINE void scatter(double* result, const int* nodes, const T* A)
   }
 }
 
+/// Gathers the values of node i of the cells; with `differences` less those of the first node, which has `first`.
+template <int W, int BS, bool differences, typename T>
+IMPACT_ALWAYS_INLINE void gather_node(int i, const double* values, const int* nodes, T* first, T* w)
+{
+  gather<W, BS>(values, nodes + W * i, w);
+  if constexpr (differences)
+  {
+#pragma GCC unroll 3
+    for (int c = 0; c < BS; ++c)
+      if (i == 0)
+      {
+        first[c] = w[c];
+        w[c] = -T{}; // the kernel's differences to it are then the values of the others, or minus these
+      }
+      else
+        w[c] = w[c] - first[c];
+  }
+}
+
 /// @tparam kernel the kernel for vectors of W cells, which becomes a part of this function
 /// @tparam of where its arrays are
 template <int W, auto kernel, NodalArrays of>
@@ -160,23 +182,38 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
   constexpr int N = of.num_nodes, P = of.num_positions, size = of.test_components * N;
   const impact_cells s = cells; // a copy: what is added to the result could change what is read by reference
   const int* nodes = s.nodes;
+  double constants[of.num_constants + 1]{}; // copies: what follows from them is computed once
+  for (int i = 0; i < of.num_constants; ++i)
+    constants[i] = s.constants[i];
   for (unsigned long long batch = 0; batch < s.num_batches; ++batch, nodes += W * N)
   {
     T x[3 * P], w[of.num_values()], A[size];
-#pragma GCC unroll 16
-    for (int i = 0; i < P; ++i)
-      gather<W, 3>(s.positions, nodes + W * i, x + 3 * i);
-#pragma GCC unroll 16
-    for (int i = 0; i < N; ++i)
+    T first_x[3]{}, first_w[of.components]{};
+    const auto gather_position = [&](int i) __attribute__((always_inline))
+    { gather_node<W, 3, of.position_differences>(i, s.positions, nodes, first_x, x + 3 * i); };
+    const auto gather_values = [&](int i) __attribute__((always_inline))
     {
-      gather<W, of.components>(s.values, nodes + W * i, w + of.offset + of.components * i);
+      gather_node<W, of.components, of.value_differences>(i, s.values, nodes, first_w,
+                                                          w + of.offset + of.components * i);
       if constexpr (of.scalar_offset >= 0)
         gather<W, 1>(s.scalars, nodes + W * i, w + of.scalar_offset + i);
+    };
+    // Of a linear simplex half of the values are left once their differences are known: there are registers for these.
+    constexpr bool by_node = of.position_differences && of.value_differences;
+#pragma GCC unroll 16
+    for (int i = 0; i < P; ++i)
+    {
+      gather_position(i);
+      if constexpr (by_node)
+        gather_values(i);
     }
+#pragma GCC unroll 16
+    for (int i = by_node ? P : 0; i < N; ++i)
+      gather_values(i);
 #pragma GCC unroll 48
     for (int i = 0; i < size; ++i)
       A[i] = -T{}; // added to -0 a number is itself, also -0: compilers leave the sum out
-    kernel(A, w, s.constants, x, 0);
+    kernel(A, w, constants, x, 0);
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
       scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);

@@ -3,14 +3,15 @@
 #include "../kernels/check.h"
 #include "CellMatrix.h"
 #include "CellValues.h"
-#include "SymmetricMatrix.h"
+#include "SymmetricMatrices.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <span>
 #include <stdexcept>
-#include <unordered_map>
+#include <string>
+#include <vector>
 
 namespace dolfinx_impact::operators
 {
@@ -42,6 +43,58 @@ int number_dofs(const FunctionSpace& V, const Entity& entity, std::vector<int>& 
     }
   return int(nodes.size()) * map.bs();
 }
+
+/// Matrices of one size that wait until there are enough to find the ends of their spectra together.
+class Waiting
+{
+public:
+  explicit Waiting(int size) : _matrices(size) {}
+
+  /// @param[in] entity number of the matrix, among the results
+  /// @param[in] S, m matrix, row by row, and masses
+  /// @returns the Frobenius norm of the skew-symmetric part, scaled by the mass; not finite if an entry is not
+  double add(std::size_t entity, const double* S, const double* m)
+  {
+    const int size = _matrices.size(), which = _num++;
+    _entities[which] = entity;
+    _scale.resize(size);
+    for (int i = 0; i < size; ++i)
+      _scale[i] = 1.0 / std::sqrt(m[i]);
+    double skew = 0.0, all = 0.0;
+    for (int i = 0; i < size; ++i)
+      for (int j = 0; j <= i; ++j)
+      {
+        const double to = S[std::size_t(size) * i + j], fro = S[std::size_t(size) * j + i], s = _scale[i] * _scale[j];
+        const double even = 0.5 * (to + fro) * s, odd = 0.5 * (to - fro) * s;
+        _matrices(which, i, j) = even;
+        all += even * even;
+        skew += 2.0 * odd * odd; // of both entries; the diagonal has none
+      }
+    return std::isfinite(all) ? std::sqrt(skew) : all;
+  }
+  bool full() const { return _num == SymmetricMatrices::num; }
+  /// Write the eigenvalues of what waits, [3*entity] and [3*entity + 1].
+  void finish(std::vector<double>& out)
+  {
+    if (_num == 0)
+      return;
+    const int size = _matrices.size();
+    for (int which = _num; which < SymmetricMatrices::num; ++which)
+      for (int i = 0; i < size; ++i)
+        for (int j = 0; j <= i; ++j)
+          _matrices(which, i, j) = 0.0;
+    const auto ends = _matrices.extreme_eigenvalues();
+    for (int which = 0; which < _num; ++which)
+      std::copy_n(ends[which].begin(), 2, out.begin() + 3 * std::ptrdiff_t(_entities[which]));
+    _num = 0;
+  }
+
+private:
+  SymmetricMatrices _matrices;
+  std::array<std::size_t, SymmetricMatrices::num> _entities{};
+  std::vector<double> _scale; ///< one over the root of the masses
+  int _num = 0;
+};
 } // namespace
 
 std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
@@ -60,12 +113,9 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
   if (masses.size() != num * n)
     throw std::invalid_argument("cell_spectra takes a mass for every degree of freedom of every cell of an entity");
   CellValues values(k, V, coefficients);
-  std::vector<double> K(std::size_t(n) * n), out;
-  out.reserve(3 * num);
+  std::vector<double> K(std::size_t(n) * n), out(3 * num), reduced, mass;
   std::vector<int> numbers;
-  std::vector<double> reduced, mass, scale; // scale: one over the root of the masses
-  std::map<int, SymmetricMatrix> of_size;   // two cells share more degrees of freedom or less
-  std::unordered_map<long long, std::vector<std::pair<Traces, std::array<double, 2>>>> known;
+  std::map<int, Waiting> of_size; // two cells share more degrees of freedom or less
   for (std::size_t e = 0; e < num; ++e)
   {
     const std::int32_t* given = matrix.entities.data() + stride * e;
@@ -89,31 +139,16 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
       }
       m = mass.data(), S = reduced.data();
     }
-    SymmetricMatrix& A = of_size.try_emplace(size, size).first->second;
-    scale.resize(size);
-    for (int i = 0; i < size; ++i)
-      scale[i] = 1.0 / std::sqrt(m[i]);
-    double skew = 0.0;
-    for (int i = 0; i < size; ++i)
-      for (int j = 0; j <= i; ++j)
-      {
-        const double to = S[std::size_t(size) * i + j], fro = S[std::size_t(size) * j + i], s = scale[i] * scale[j];
-        A(i, j) = A(j, i) = 0.5 * (to + fro) * s;
-        skew += 0.5 * (to - fro) * (to - fro) * s * s; // of both entries; the diagonal has none
-      }
-    const Traces t = A.traces();
-    if (!std::isfinite(t.second))
+    Waiting& waiting = of_size.try_emplace(size, size).first->second;
+    out[3 * e + 2] = waiting.add(e, S, m);
+    if (!std::isfinite(out[3 * e + 2]))
       throw std::runtime_error("the stiffness of cell " + std::to_string(entity.cells[0]) +
                                " of this rank is not a number");
-    auto& bucket = known[std::llround(1e9 * std::log(std::max(t.second, 1e-300)))];
-    auto same = std::find_if(bucket.begin(), bucket.end(), [&](const auto& entry) { return entry.first == t; });
-    if (same == bucket.end())
-    {
-      bucket.push_back({t, A.extreme_eigenvalues()});
-      same = bucket.end() - 1;
-    }
-    out.insert(out.end(), {same->second[0], same->second[1], std::sqrt(skew)});
+    if (waiting.full())
+      waiting.finish(out);
   }
+  for (auto& [size, waiting] : of_size)
+    waiting.finish(out);
   return out;
 }
 } // namespace dolfinx_impact::operators

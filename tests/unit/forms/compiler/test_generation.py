@@ -79,8 +79,10 @@ def test_a_sweep_reads_a_scalar_beside_the_displacement():
     u, mean = ufl.Coefficient(vector), ufl.Coefficient(scalar)
     law = averaged_pressure.NeoHookean(1.0, 0.3, "3d", mean)
     forms = {
-        "{4, 4, 3, 0, 12, 3}": ufl.inner(law.stress(u), ufl.grad(ufl.TestFunction(vector))) * ufl.dx,
-        "{4, 4, 3, 0, -1, 1}": averaged_pressure.average(law.measure(u), ufl.TestFunction(scalar), "3d", ufl.dx),
+        "{4, 4, 3, 0, 12, 3, 0, true, true}": ufl.inner(law.stress(u), ufl.grad(ufl.TestFunction(vector))) * ufl.dx,
+        "{4, 4, 3, 0, -1, 1, 0, true, true}": averaged_pressure.average(
+            law.measure(u), ufl.TestFunction(scalar), "3d", ufl.dx
+        ),
     }
     for arrays, form in forms.items():
         text = emit.source(frontend.form_integrals(form, "form", {u: "u", mean: "mean"}), "impact_row")[0]
@@ -92,6 +94,28 @@ def test_a_sweep_reads_a_scalar_beside_the_displacement():
     )
 
 
+@pytest.mark.parametrize(
+    ("cell", "degree", "what", "expected"),
+    (
+        ("tetrahedron", 1, "gradient", "true, true"),
+        ("triangle", 1, "gradient", "true, true"),
+        ("tetrahedron", 1, "value", "true, false"),
+        ("tetrahedron", 2, "gradient", "true, false"),
+        ("hexahedron", 1, "gradient", "false, false"),
+    ),
+)
+def test_sweeps_of_kernels_that_read_differences_to_the_first_node(cell, degree, what, expected):
+    """Whether positions and whether values of the displacement are read so alone (kernels/sweep.h: NodalArrays)."""
+    dim = 2 if cell == "triangle" else 3
+    mesh = ufl.Mesh(basix.ufl.element("P", cell, 1, shape=(dim,)))
+    space = ufl.FunctionSpace(mesh, basix.ufl.element("P", cell, degree, shape=(dim,)))
+    u, v = ufl.Coefficient(space), ufl.TestFunction(space)
+    strain = ufl.inner(ufl.sym(ufl.grad(u)), ufl.grad(v))
+    form = (strain if what == "gradient" else strain + ufl.inner(u, v)) * ufl.dx
+    text = emit.source(frontend.form_integrals(form, "form", {u: "u"}), "impact_row")[0]
+    assert text.count(f", {expected}}}>(*cells)") == 2
+
+
 @pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
 def test_signature_does_not_depend_on_names_or_numbers(first_number):
     """UFL orders operands by the printed numbers of constants: 9 and 10 change places where 8 and 9 do not."""
@@ -99,6 +123,28 @@ def test_signature_does_not_depend_on_names_or_numbers(first_number):
     form = products_of_constants(first_number)
     assert frontend.form_signature(form) == reference
     assert [c.count() for c in frontend.canonical(form)[0].constants()] == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("cell", "degree", "what", "expected"),
+    (
+        ("tetrahedron", 1, "gradient", "true, true"),
+        ("triangle", 1, "gradient", "true, true"),
+        ("tetrahedron", 1, "value", "true, false"),
+        ("tetrahedron", 2, "gradient", "true, false"),
+        ("hexahedron", 1, "gradient", "false, false"),
+    ),
+)
+def test_sweeps_of_kernels_that_read_differences_to_the_first_node(cell, degree, what, expected):
+    """Whether positions and whether values of the displacement are read so alone (kernels/sweep.h: NodalArrays)."""
+    dim = 2 if cell == "triangle" else 3
+    mesh = ufl.Mesh(basix.ufl.element("P", cell, 1, shape=(dim,)))
+    space = ufl.FunctionSpace(mesh, basix.ufl.element("P", cell, degree, shape=(dim,)))
+    u, v = ufl.Coefficient(space), ufl.TestFunction(space)
+    strain = ufl.inner(ufl.sym(ufl.grad(u)), ufl.grad(v))
+    form = (strain if what == "gradient" else strain + ufl.inner(u, v)) * ufl.dx
+    text = emit.source(frontend.form_integrals(form, "form", {u: "u"}), "impact_row")[0]
+    assert text.count(f", {expected}}}>(*cells)") == 2
 
 
 @pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
