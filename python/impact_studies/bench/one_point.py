@@ -22,7 +22,7 @@ ROUNDS = 5
 
 
 def one_point_rows(
-    cell: str, n: int, steps: int = 20, rounds: int = ROUNDS, law: MaterialClass = materials.LinearElastic
+    cell: str, n: int, steps: int = 60, rounds: int = ROUNDS, law: MaterialClass = materials.LinearElastic
 ) -> list[Row]:
     """Measure both in alternation, in one process.
 

@@ -149,7 +149,9 @@ void GeneralContact::assign_numbers(operators::Halo& halo, std::span<const std::
     }
   _loops = search::FacetLoops(_found, n);
   _moved = 0.0;
-  std::ranges::fill(_next, 0.0);
+  _largest_height = 0.0;
+  for (const double height : _height)
+    _largest_height = std::max(_largest_height, height);
   for (NodeSpring& spring : _springs) // its numbers are those of before
   {
     LastTouch& last = spring.last;
@@ -167,6 +169,7 @@ void GeneralContact::assign_numbers(operators::Halo& halo, std::span<const std::
     list_facets<3>(x);
     list_edges(x);
   }
+  forget_distances();
 }
 
 /// Is this node with this facet among the surfaces of a pair that others push apart?
@@ -209,6 +212,7 @@ void GeneralContact::list_facets(const std::vector<double>& x)
   std::vector<std::int32_t> found;
   _starts.assign(1, 0);
   _list.clear();
+  _has_corners.assign(num_nodes(), 0);
   for (std::size_t i = 0; i < num_nodes(); ++i)
   {
     const std::int32_t node = _candidates.numbers()[i];
@@ -240,6 +244,9 @@ void GeneralContact::list_facets(const std::vector<double>& x)
           continue;
       }
       _list.push_back(f);
+      const double* first = normals.data() + std::size_t(_list[_starts.back()]) * num * D;
+      for (int k = 0; k < num && !_has_corners[i]; ++k)
+        _has_corners[i] = loop::dot<D>(normals.data() + (std::size_t(f) * num + k) * D, first) < parallel_of_lists;
     }
     _starts.push_back(std::int32_t(_list.size()));
   }
@@ -587,8 +594,15 @@ void GeneralContact::resume(const state::State& saved)
   _energy = {e[0], e[1], e[2], e[3], e[4], e[5]};
   _passage = {};
   _first = false;
-  std::ranges::fill(_next, 0.0);
+  forget_distances();
   std::ranges::fill(_forces, 0.0);
+}
+
+/// The nodes are elsewhere than at the last step.
+void GeneralContact::forget_distances()
+{
+  std::ranges::fill(_next, 0.0);
+  _distances.assign(_list.size(), -std::numeric_limits<double>::infinity());
 }
 
 void GeneralContact::reset()
@@ -602,7 +616,7 @@ void GeneralContact::reset()
   std::ranges::fill(_results.status, ContactStatus::open);
   std::ranges::fill(_results.gap, std::numeric_limits<double>::infinity());
   std::ranges::fill(_results.slip, 0.0);
-  std::ranges::fill(_next, 0.0);
+  forget_distances();
   std::ranges::fill(_forces, 0.0);
   _energy = {};
   _passage = {};

@@ -197,6 +197,7 @@ private:
   template <int D>
   void add_all(const NodalState& state, std::span<double> f);
   void update_positions(const NodalState& state);
+  void forget_distances();
   void update_compliances(double dt);
   template <int D>
   void list_facets(const std::vector<double>& x);
@@ -228,6 +229,10 @@ private:
 
   search::FacetLoops _loops;
   std::vector<std::int32_t> _starts, _list; ///< facets near each node: _list[_starts[i] ... _starts[i+1]-1]
+  std::vector<std::int8_t> _has_corners;    ///< by node: could two of its facets make a corner?
+  /// Distances of listed facets when they were computed last, plus twice `_moved` of then: no facet has come nearer
+  /// than what this has more than twice `_moved` of now. Minus infinity: not known [L].
+  std::vector<double> _distances;
   /// Of the node that is looked at; kept, as a time step allocates nothing.
   std::tuple<std::vector<FacetEnd<2>>, std::vector<FacetEnd<3>>> _ends;
   std::vector<double> _next; ///< by node, as in EdgePair
@@ -235,8 +240,9 @@ private:
   std::vector<std::array<std::int32_t, 2>> _continuations; ///< edge that goes on at each end of an edge; -1: none
   std::map<EdgeKey, EdgeSpring> _kept_edges;               ///< histories until edges are listed again
   std::map<EdgeKey, std::int32_t> _kept_owners;            ///< of those that `resume` brought: position among the nodes
-  double _moved = 0.0;        ///< sum of the largest increments since the lists were made [L]
-  double _largest_step = 0.0; ///< largest increment of a node in this step [L]
+  double _moved = 0.0;          ///< sum of the largest increments since the lists were made [L]
+  double _largest_step = 0.0;   ///< largest increment of a node in this step [L]
+  double _largest_height = 0.0; ///< of the cells at the nodes [L]
 
   std::vector<NodeSpring> _springs;     ///< [node*springs_per_node + slot]
   std::vector<std::int8_t> _num_closed; ///< springs of each node

@@ -227,15 +227,25 @@ bool GeneralContact::look(std::size_t i, int slot, const NodalState& state, Touc
   // Rounding of positions makes gaps of both signs of surfaces that touch.
   const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * size;
   const double beyond = 2.0 * _largest_step + (closed ? std::max(0.0, -4.0 * last_gap) : 0.0);
+  // Facets farther than this neither hold the node nor count as others: what a spring begins at is not deeper, and what
+  // a closed one goes on at is as deep as it was, but for the motion of a step.
+  const double far = std::max(beyond + (deepest_part + shallow_part) * _largest_height,
+                              closed ? std::abs(last_gap) + 2.1 * _largest_step + rounding : 0.0);
   touches.others = 0;
   for (std::int32_t k = _starts[i]; k < _starts[i + 1]; ++k)
   {
+    if (const double least = _distances[k] - 2.0 * _moved; least > far)
+    {
+      touches.nearest = std::min(touches.nearest, least * least);
+      continue;
+    }
     const std::size_t f = _list[k];
     double corners[4][D];
     corners_at<D>(f, _x.data(), nullptr, corners);
     const loop::Closest<D> at = closest<D>(f, corners, x);
     touches.nearest = std::min(touches.nearest, at.squared);
     const double along = loop::dot<D>(at.away, at.normal), distance = std::sqrt(at.squared);
+    _distances[k] = distance + 2.0 * _moved;
     const double reach = beyond + (deepest_part + shallow_part) * _height[_loops.corners(f)[0]];
     if (distance < reach && (!closed || loop::dot<D>(at.normal, spring.normal) < sliding))
       ++touches.others;
@@ -401,7 +411,7 @@ void GeneralContact::find(std::size_t i, const NodalState& state, Touches& touch
   if (num_closed == 0)
   {
     found(look<D>(i, -1, state, touches));
-    others = touches.others - 1; // one facet is no corner
+    others = _has_corners[i] ? touches.others - 1 : 0; // one facet is no corner
   }
   for (int s = 0; num_closed > 0 && s < springs_per_node; ++s)
     if (own[s].spring.closed)

@@ -16,6 +16,10 @@ inline constexpr double shallow_part = 0.05, deepest_part = 0.5;
 inline constexpr double facing = -0.1, sliding = 0.6;
 /// The same where lists are made, from which bodies may turn until the next ones.
 inline constexpr double facing_of_lists = 0.5, sharp_of_lists = 0.985;
+/// Facets in a list whose normals are as parallel as this to the first one's make no corner until the next lists: the
+/// angle between two of them, twice 8.6 degrees, and what `facing` and `facing_of_lists` let them turn by, 36, stay
+/// below the 53 of `sliding`.
+inline constexpr double parallel_of_lists = 0.9888;
 /// A facet of the same body that a node was behind at the start, by less than so many cells, is the far side of it.
 inline constexpr double cells_behind = 3.0;
 /// Edges touch between their ends: farther from them than the depth, by this factor, where they do not go on.

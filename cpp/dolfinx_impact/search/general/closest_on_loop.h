@@ -145,29 +145,38 @@ inline Closest<3> closest(const double (&corners)[4][3], int num, const double* 
   if (num == 4)
     for (int c = 0; c < 3; ++c)
       centre[c] = 0.25 * (corners[0][c] + corners[1][c] + corners[2][c] + corners[3][c]);
-  for (int j = 0; j < (num == 4 ? 4 : 1); ++j)
+  const double* const third = num == 4 ? centre : corners[2];
+  int j = -1; // of the nearest triangle
+  double w[3] = {};
+  Place place = Place::inside;
+  for (int k = 0; k < (num == 4 ? 4 : 1); ++k)
   {
-    const double *a = corners[j], *b = corners[(j + 1) % num], *third = num == 4 ? centre : corners[2];
-    double w[3], away[3];
-    const Place place = closest_on_triangle(a, b, third, x, w);
+    const double *a = corners[k], *b = corners[(k + 1) % num];
+    double weights[3], away[3];
+    const Place here = closest_on_triangle(a, b, third, x, weights);
     for (int c = 0; c < 3; ++c)
-      away[c] = x[c] - w[0] * a[c] - w[1] * b[c] - w[2] * third[c];
+      away[c] = x[c] - weights[0] * a[c] - weights[1] * b[c] - weights[2] * third[c];
     const double squared = dot<3>(away, away);
     if (!(squared < out.squared))
       continue;
     out.squared = squared;
-    out.flat = place == Place::inside;
     std::copy_n(away, 3, out.away);
-    triangle_normal(a, b, third, out.normal);
-    std::fill_n(out.weights, 4, num == 4 ? 0.25 * w[2] : 0.0);
-    out.weights[j] += w[0];
-    out.weights[(j + 1) % num] += w[1];
-    if (num == 3)
-      out.weights[2] += w[2];
-    // Edges of a quadrilateral's triangles that meet at its mean point lie inside of it.
-    out.side = place == Place::ab ? j : num == 4 ? -1 : place == Place::bc ? 1 : place == Place::ca ? 2 : -1;
-    out.corner = place == Place::a ? j : place == Place::b ? (j + 1) % num : num == 3 && place == Place::c ? 2 : -1;
+    std::copy_n(weights, 3, w);
+    place = here;
+    j = k;
   }
+  if (j < 0)
+    return out; // positions that are no numbers
+  out.flat = place == Place::inside;
+  triangle_normal(corners[j], corners[(j + 1) % num], third, out.normal);
+  std::fill_n(out.weights, 4, num == 4 ? 0.25 * w[2] : 0.0);
+  out.weights[j] += w[0];
+  out.weights[(j + 1) % num] += w[1];
+  if (num == 3)
+    out.weights[2] += w[2];
+  // Edges of a quadrilateral's triangles that meet at its mean point lie inside of it.
+  out.side = place == Place::ab ? j : num == 4 ? -1 : place == Place::bc ? 1 : place == Place::ca ? 2 : -1;
+  out.corner = place == Place::a ? j : place == Place::b ? (j + 1) % num : num == 3 && place == Place::c ? 2 : -1;
   return out;
 }
 
