@@ -152,7 +152,8 @@ TEST_CASE("a kernel's own sweep gives the same as its calls")
     for (const int width : {4, 8})
     {
       const impact_sweep sweep = kernels::sweep(*kernel, width);
-      if (!sweep || width > kernels::processor_width())
+      // Those that overwrite internal variables are compared in whole steps: tests/unit/inelastic/test_in_place.py.
+      if (!sweep || kernel->num_outputs > 0 || width > kernels::processor_width())
         continue;
       ++swept;
       const impact_element& element = kernel->arguments[0];
