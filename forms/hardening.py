@@ -151,20 +151,21 @@ def first_increment(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> 
         hardening: LinearHardening, VoceHardening or TableHardening.
         alpha: equivalent plastic strain at the beginning of the step [1].
     """
-    x, a, b, small = _series(excess, stiffness, hardening, alpha)
-    return x if small is None else x * ufl.conditional(small, 1 - a + 2 * a**2 - b, 1)
+    x, second, third, small = _series(excess, stiffness, hardening, alpha)
+    return x if small is None else x * ufl.conditional(small, 1 - x * (second - x * (2 * second**2 - third)), 1)
 
 
 def _series(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> tuple[Any, Any, Any, Any]:
-    """First term of the series, the second and third relative to it, and whether these are small: None of hardening
-    that is no Voce's, of which the first is taken."""
+    """First term x of the series, the second and third over x^2 and x^3, and whether these terms are small beside the
+    first: None of hardening that is no Voce's, of which the first is taken."""
     slope = stiffness + hardening.slope(alpha)
     x = excess / slope
     if not isinstance(hardening, VoceHardening):
         return x, None, None, None
     second, third = hardening.curvatures(alpha)
-    a, b = second / (2 * slope) * x, third / (6 * slope) * x**2
-    return x, a, b, ufl.And(ufl.lt(abs(a), SMALL_TERM), ufl.lt(abs(b), SMALL_TERM))
+    second, third = second / (2 * slope), third / (6 * slope)
+    small = ufl.And(ufl.lt(abs(second * x), SMALL_TERM), ufl.lt(abs(third * x**2), SMALL_TERM))
+    return x, second, third, small
 
 
 def first_increment_error(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> Any:
@@ -177,7 +178,8 @@ def first_increment_error(excess: Any, stiffness: Any, hardening: Any, alpha: An
         hardening: VoceHardening.
         alpha: likewise.
     """
-    x, a, b, small = _series(excess, stiffness, hardening, alpha)
+    x, second, third, small = _series(excess, stiffness, hardening, alpha)
+    a, b = second * x, third * x**2
     # a, b and c are the second to fourth derivatives' shares: x (1 - a + 2 a^2 - b - 5 a^3 + 5 a b - c + ...).
     c = hardening.rate / 4 * b * x
     return ufl.conditional(small, 2 * x * (5 * abs(a) * (a**2 + abs(b)) + abs(c)), 1)

@@ -74,15 +74,17 @@ def unimodular_mean(d: Any) -> Any:
 
     x^3 - (d:d / 2) x + det d = 1 by Cardano's formula. It has one root while d is an elastic strain: a stretch of 1.7
     along an axis is the first with three. Near 1, as of metals, by the series of the inverse function: with x = 1 + z,
-    (3 - d:d / 2) z + 3 z^2 + z^3 = d:d / 2 - det d. Its fifth term is 3e-17 at most there.
+    (3 - d:d / 2) z + 3 z^2 + z^3 = d:d / 2 - det d. Its coefficients, powers of 1/(1 - d:d / 6), are series themselves,
+    without a division that what follows would wait for. What is left out is 1e-17 at most there.
     """
     half, determinant = ufl.inner(d, d) / 2, ufl.det(d)
     third = 1 - determinant
     root = ((third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2) ** (-1 / 3)
     cardano = (third + ufl.sqrt(third**2 - 4 / 27 * half**3)) / 2 * root**2 + half / 3 * root
-    c = 1 / (3 - half)
-    y, b = c * (half - determinant), 3 * c
-    near = 1 + y * (1 - y * (b - y * (2 * b**2 - c - y * (5 * b * (b**2 - c)))))
+    g = half / 3
+    b = (1 + g) * (1 + g**2)
+    y = (half - determinant) / 3 * b
+    near = 1 + y * (1 - y * (b - y * (5 / 3 + 11 / 3 * g - 10 / 3 * y)))
     return ufl.conditional(ufl.gt(half, SMALL_DEVIATOR), cardano, near)
 
 

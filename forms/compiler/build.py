@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Build driver: writes the C++ sources of the registry's table into a folder, and the table itself.
 
-Usage: python3 -m forms.compiler.build --list | --list-vectors | --list-floats | --output DIR
+Usage: python3 -m forms.compiler.build --list | --list-vectors | --list-laws | --list-floats | --output DIR
 """
 
 import argparse
@@ -58,11 +58,15 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--list", action="store_true", help="print the file names and stop")
     parser.add_argument("--list-vectors", action="store_true", help="the same of kernels that have several lanes")
+    parser.add_argument("--list-laws", action="store_true", help="those of kernels with internal variables")
     parser.add_argument("--list-floats", action="store_true", help="those of kernels in single precision")
     parser.add_argument("--output", help="folder for the sources")
     args = parser.parse_args()
     if args.list_floats:
         print(";".join(f"{row.symbol}_float.cpp" for row in IN_FLOAT), end="")
+    elif args.list_laws:
+        laws = [(row, row.build().law) for row in TABLE]
+        print(";".join(f"{row.symbol}.cpp" for row, law in laws if law is not None and law.history), end="")
     elif args.list or args.list_vectors:
         # Kernels of matrices are called for one cell at a time: with several lanes their files are empty.
         rows = [row for row in TABLE if args.list or len(row.build().form.arguments()) < 2]
@@ -70,7 +74,7 @@ def main():
     elif args.output:
         generate(args.output)
     else:
-        parser.error("--list, --list-vectors, --list-floats or --output is needed")
+        parser.error("--list, --list-vectors, --list-laws, --list-floats or --output is needed")
 
 
 if __name__ == "__main__":

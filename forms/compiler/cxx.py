@@ -52,6 +52,24 @@ class AnyLane(L.Statement):
         self.condition, self.body = condition, body
 
 
+class StoreHistory(L.Statement):
+    """New internal variables of a point are written, in place where any of them differs from the old one.
+
+    Args:
+        values: triples of a new value (a symbol), the old one, and the place of the new one.
+    """
+
+    def __init__(self, values):
+        self.values = values
+
+
+class Apart(L.Statement):
+    """Statements of a kernel that does not overwrite what it reads."""
+
+    def __init__(self, body):
+        self.body = body
+
+
 class Text(L.Statement):
     """A statement that is written as it stands."""
 
@@ -109,6 +127,16 @@ class CxxFormatter:
     def _AnyLane(self, s):
         body = "".join(f"  {line}\n" for x in s.body for line in self(x).splitlines())
         return f"if (any_lane({self(s.condition)}))\n{{\n{body}}}\n"
+
+    def _StoreHistory(self, s):
+        differ = " |\n    ".join(f"({self(new)} != {self(old)})" for new, old, _ in s.values)
+        stored = "".join(f"  {self(place)} = {self(new)};\n" for new, _, place in s.values)
+        condition = f"bool changed = true;\nif constexpr (in_place)\n  changed = any_lane({differ});\n"
+        return f"{condition}if (changed)\n{{\n{stored}}}\n"
+
+    def _Apart(self, s):
+        body = "".join(f"  {self(a)}" for a in s.body)
+        return f"if constexpr (not in_place)\n{{\n{body}}}\n"
 
     def _Text(self, t):
         return f"{t.text}\n"

@@ -18,6 +18,7 @@ from ufl.algorithms.map_integrands import map_integrand_dags
 from ufl.corealg.map_dag import map_expr_dag
 from ufl.corealg.multifunction import MultiFunction
 
+from ..inelastic import UNKNOWN
 from ..point_law import PointLaw, flatten
 from .averages import Averages, has_averages, lowered
 from .geometry import check_sizes, with_sizes
@@ -175,17 +176,19 @@ class Integral:
         no such function. Those of cells with linear geometry have one, of degree 1, and of simplices of degree 2, with
         one coefficient that has as many components as positions, at most one scalar on the same nodes, and the test
         function on them: the calls around them, and the arrays that calls pass, take as long as the kernel of a linear
-        tetrahedron, a third of a hexahedron with one point, and an eighth of the step of a quadratic tetrahedron."""
-        if self.integral_type != "cell" or self.rank != 1 or self.law is not None:
+        tetrahedron, a third of a hexahedron with one point, and an eighth of the step of a quadratic tetrahedron. With
+        a point law such a kernel reads and writes internal variables in place."""
+        if self.integral_type != "cell" or self.rank != 1 or (self.law is not None and not self.history):
             return None
         positions, test = self.coordinate_element, self.argument_elements[0]
         simplices, boxes = ("triangle", "tetrahedron"), ("quadrilateral", "hexahedron")
         cell = positions.cell_type.name
-        vectors = [c for c in self.coefficients if c.element.block_size == positions.block_size]
+        gathered = [c for k, c in enumerate(self.coefficients) if k not in self.history]
+        vectors = [c for c in gathered if c.element.block_size == positions.block_size]
         if cell not in simplices + boxes or len(vectors) != 1 or positions.embedded_superdegree != 1:
             return None
         element = vectors[0].element
-        scalar, others = element.sub_elements[0], [c for c in self.coefficients if c is not vectors[0]]
+        scalar, others = element.sub_elements[0], [c for c in gathered if c is not vectors[0]]
         if cell not in {1: simplices + boxes, 2: simplices}.get(element.embedded_superdegree, ()):
             return None
         if len(others) > 1 or any(c.element != scalar for c in others) or test not in (element, scalar):
@@ -204,6 +207,20 @@ class Integral:
     def has_sweep(self) -> bool:
         """Has the kernel such a function?"""
         return self.swept_arrays is not None
+
+    @property
+    def history(self) -> dict[int, int]:
+        """Number of the output that each coefficient of internal variables is read from, by the coefficient's number;
+        empty where the kernel writes other values at the points than these and the solution of its equations."""
+        outputs = self.law.outputs if self.law else []
+        if any(o.history < 0 and o.name != UNKNOWN for o in outputs):
+            return {}
+        return {o.history: number for number, o in enumerate(outputs) if o.history >= 0}
+
+    @property
+    def is_in_place(self) -> bool:
+        """May the kernel overwrite the internal variables that it reads?"""
+        return bool(self.history) and self.has_sweep
 
     @property
     def num_points(self):

@@ -105,13 +105,14 @@ class KernelWriter:
         kind = key[0]
         if kind == "dof":
             _, field, index = key
-            return X[index] if field == "x" else W[index]
+            array, first = self._array_of(field)
+            return array[index - first]
         if kind == "constant":
             return C[key[1]]
         if kind == "quadrature":
             _, field, rule, begin, stride = key
-            array = X if field == "x" else W
-            return array[L.as_lexpr(begin) + L.as_lexpr(stride) * self.rules[rule].flat(self.tdim)]
+            array, first = self._array_of(field)
+            return array[L.as_lexpr(begin - first) + L.as_lexpr(stride) * self.rules[rule].flat(self.tdim)]
         if kind == "table":
             _, name, rule, row, column = key
             point = L.LiteralInt(0) if rule is None else self.rules[rule].flat(self.tdim)
@@ -137,6 +138,16 @@ class KernelWriter:
         if kind == "array":
             return L.Symbol(key[1], SCALAR)[self.rules[key[2]].flat(self.tdim)]
         raise RuntimeError(f"unknown symbol {key}")
+
+    def _array_of(self, field):
+        """Array that the values of a field are read from, and the number in w of its first entry."""
+        if field == "x":
+            return X, 0
+        number = int(field[1:])
+        if not self.integral.is_in_place or number not in self.integral.history:
+            return W, 0
+        name = f"history_{self.integral.history[number]}"
+        return L.Symbol(name, SCALAR), self.integral.coefficients[number].offset
 
     @staticmethod
     def row(name):

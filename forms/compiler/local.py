@@ -6,7 +6,7 @@ import ffcx.codegeneration.lnodes as L
 import numpy as np
 
 from . import algebra as alg
-from .cxx import AnyLane, CxxFormatter, LocalSolve, Text
+from .cxx import AnyLane, Apart, CxxFormatter, LocalSolve, StoreHistory, Text
 from .schedule import WORTH_A_BRANCH
 
 INT, SCALAR = L.DataType.INT, L.DataType.SCALAR
@@ -30,6 +30,16 @@ def _zero(name, size):
     return L.ArrayDecl(_array(name), sizes=(size,), values=np.zeros(size))
 
 
+def _quadrature(key):
+    """Field and first entry of a symbol of the algebra that is read at the points; None for others."""
+    return (key[1], key[3]) if key[0] == "quadrature" else (key[1], key[2]) if key[0] == "dof" else None
+
+
+def _assigned(statement):
+    """What a statement assigns to, or None."""
+    return statement.lhs if isinstance(statement, L.Assign) else None
+
+
 class LocalPart:
     """Statements of a point law and of averages, before, inside and after the last loop over the points.
 
@@ -44,6 +54,7 @@ class LocalPart:
         self.solves_last = self.law.num_unknowns > 0 and self.law.solved_in == self.last
         self.kept = self.law.num_unknowns > 0 and not self.solves_last  # solution in an array, by point
         self.branch = None  # the first equation, where it is a conditional
+        self.written = False  # does a branch write the internal variables?
 
     # -- symbols ------------------------------------------------------------------------------------------------------
     def unknown(self, component, iterating):
@@ -228,6 +239,7 @@ class LocalPart:
             count, statements, condition, branch = schedule.separate(values, alg.SOLVED, _branched, WORTH_A_BRANCH)
             statements = solved + statements
         if count:
+            statements, branch = self._write_in_branch(statements, branch, factors)
             statements = [L.ArrayDecl(_array(BRANCHED), sizes=(count,)), *statements, AnyLane(condition, branch)]
         return statements + schedule.declare(factors, alg.POINT) + schedule.declare(factors, alg.SOLVED)
 
@@ -236,13 +248,74 @@ class LocalPart:
         schedule = self.writer.schedule
         values = self._of(*self._parts("output"), *self._parts("sum"))
         statements = schedule.declare(values, alg.POINT) + schedule.declare(values, alg.SOLVED)
-        for output, offset in zip(self.law.outputs, self.integral.output_offsets):
-            for c, value in enumerate(self.values[f"output {output.name}"]):
-                index = self._at_point(output.num_components, offset + c)
-                statements.append(L.Assign(A[index], schedule.expression(value)))
         for k, name in enumerate(self.law.sums):
             statements.append(L.AssignAdd(_array(SUMS)[k], schedule.expression(self.values[f"sum {name}"][0])))
-        return statements
+        return statements + self._outputs()
+
+    def _new_history(self):
+        """Of each component of the internal variables in place its name, new value, old one and place of the new one;
+        the old value's symbol in the algebra comes last."""
+        found = []
+        for number, output in enumerate(self.law.outputs if self.integral.is_in_place else ()):
+            if output.history < 0:
+                continue
+            first = self.integral.coefficients[output.history].offset
+            for c, value in enumerate(self.values[f"output {output.name}"]):
+                index = self._at_point(output.num_components, c)
+                old, new = (_array(f"{what}_{number}")[index] for what in ("history", "output"))
+                found.append((f"new_{number}_{c}", value, old, new, (f"w{output.history}", first + c)))
+        return found
+
+    def _write_in_branch(self, statements, branch, factors):
+        """Internal variables that a branch alone changes are written there, where nothing reads the old ones later.
+
+        Args:
+            statements: those in front of the branch, which gives first values to what the branch changes.
+            branch: statements of the branch.
+            factors: of the element tensor, which is computed behind.
+
+        Returns:
+            Statements in front of the branch, and those of it.
+        """
+        schedule, history = self.writer.schedule, self._new_history()
+        symbols = {symbol for *_, symbol in history}
+        places = {}
+        for name, (number, node), old, new, symbol in history:
+            if number != 1.0 or node is None or node.kind != "select" or not schedule.is_used_once((number, node)):
+                return statements, branch
+            scale, other = node.data[2]
+            place = schedule.expression((number, node))
+            keeps = scale == 1.0 and other is not None and other.kind == "symbol" and _quadrature(other.data) == symbol
+            if not keeps or not any(_assigned(s) is place for s in branch):
+                return statements, branch
+            places[id(place)] = (_array(name), old, new)
+        later = factors + self._of(
+            *self._parts("sum"), *(f"output {o.name}" for o in self.law.outputs if o.history < 0)
+        )
+        if not places or any(_quadrature(key) in symbols for key in schedule.symbols_to_read(later)):
+            return statements, branch
+        self.written = True
+        kept = [L.Assign(new, old) for _, old, new in places.values()]
+        statements = [s for s in statements if id(_assigned(s)) not in places]
+        branch = [
+            L.VariableDecl(places[id(_assigned(s))][0], s.rhs) if id(_assigned(s)) in places else s for s in branch
+        ]
+        return [*statements, Apart(kept)], [*branch, *(L.Assign(new, name) for name, _, new in places.values())]
+
+    def _outputs(self):
+        """Statements that write the outputs. They come last: in place, what they overwrite is not read afterwards."""
+        schedule, history = self.writer.schedule, [] if self.written else self._new_history()
+        statements = [L.VariableDecl(_array(name), schedule.expression(value)) for name, value, *_ in history]
+        if history:
+            statements.append(StoreHistory([(_array(name), old, new) for name, _, old, new, _ in history]))
+        others = []
+        for output, offset in zip(self.law.outputs, self.integral.output_offsets):
+            if self.integral.is_in_place and output.history >= 0:
+                continue
+            for c, value in enumerate(self.values[f"output {output.name}"]):
+                index = self._at_point(output.num_components, offset + c)
+                others.append(L.Assign(A[index], schedule.expression(value)))
+        return [*statements, Apart(others)] if self.integral.is_in_place and others else [*statements, *others]
 
     def _is_zero_elsewhere(self):
         """Do the equations say that the unknowns are zero where the condition of the first one does not hold?"""

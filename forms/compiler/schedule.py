@@ -380,6 +380,15 @@ class Schedule:
                 stack.extend(self._args[j])
         return seen
 
+    def is_used_once(self, value):
+        """Is a value, which was asked for, part of no other?"""
+        return self._uses[self._roots[value][1]] == 1
+
+    def symbols_to_read(self, values):
+        """Keys of the symbols that are read when these values are computed from now on."""
+        nodes = self._open([self._roots[v][1] for v in values if v[1] is not None])
+        return [self._key[j][1] for j in nodes if self._key[j][0] == "symbol"]
+
     def condition(self, select):
         """LNodes expression of the condition of an algebra node of kind "select", whose variables are declared."""
         return self._test(self._key[self._of[select]][1])

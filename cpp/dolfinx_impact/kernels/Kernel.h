@@ -29,6 +29,14 @@ extern "C"
     const double* values;    ///< of the coefficient that has components
     double* result;          ///< element vectors are added to it
     const double* scalars;   ///< of the scalar coefficient; null: the kernel has none
+    /// Of each output the internal variables of the first batch, aligned to 64 bytes, read and overwritten; batches
+    /// follow each other. Null for an output that is none: it is not written.
+    double* const* history;
+    double* sums; ///< the kernel's sums over each cell are added to it
+    /// Called for batches with points whose local equations were not solved; A is as tabulate leaves it but for
+    /// outputs.
+    void (*report)(const void* owner, unsigned long long batch, const double* A);
+    const void* owner; ///< passed to it
   } impact_cells;
 
   /// Gathers, computes and scatters batch by batch: what tabulate gives, to round-off, in less time.
@@ -78,7 +86,7 @@ extern "C"
 
   enum
   {
-    IMPACT_KERNEL_ABI = 3,
+    IMPACT_KERNEL_ABI = 4,
     IMPACT_KERNEL_WIDTHS = 3 ///< tabulate[k] takes 1, 4, 8 cells at once
   };
 
@@ -120,7 +128,8 @@ extern "C"
     double flops;       ///< additions, multiplications and divisions per cell
     impact_tabulate tabulate[IMPACT_KERNEL_WIDTHS];
     /// Of kernels over cells with straight sides that read positions, a coefficient with as many components and at most
-    /// one scalar at the nodes that they add to; null for others and where there are no vectors.
+    /// one scalar at the nodes that they add to; null for others and where there are no vectors. Those of kernels with
+    /// internal variables work in place.
     impact_sweep sweep[IMPACT_KERNEL_WIDTHS];
   } impact_kernel;
 }

@@ -162,6 +162,8 @@ struct LocalFailures
 
   void add(const LocalSolution<T, N>& s, int number)
   {
+    if (not any_lane(s.failed > 0.0)) [[likely]]
+      return;
     const T isfirst = select<T>(count > 0.0, 0.0, s.failed);
     point = select<T>(isfirst > 0.0, double(number), point);
     residual = select<T>(isfirst > 0.0, s.residual, residual);

@@ -31,7 +31,25 @@ struct NodalArrays
   bool position_differences; ///< does the kernel read positions by their differences to that of the first node alone?
   bool value_differences;    ///< the same of the coefficient that has components
 
-  constexpr int num_values() const { return num_nodes * (components + (scalar_offset >= 0 ? 1 : 0)); }
+  /// Entries of the kernel's coefficients up to the last one that is gathered.
+  constexpr int num_values() const
+  {
+    const int vectors = offset + num_nodes * components, scalars = scalar_offset + num_nodes;
+    return scalar_offset >= 0 and scalars > vectors ? scalars : vectors;
+  }
+};
+
+/// Arrays of a kernel over the points of a cell, and what it writes behind the element vector.
+template <int num_outputs>
+struct PointArrays
+{
+  int sizes[num_outputs]; ///< values of a cell that each output has as an internal variable; 0: it is none
+  int size_A;             ///< entries of A in all
+  int num_sums;
+  int sum_offset;    ///< of the first sum in A
+  int report_offset; ///< of the number of points that were not solved; -1: there are no equations
+
+  static constexpr int count = num_outputs;
 };
 
 /// One component of a node in each of four lanes.
@@ -217,6 +235,65 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
       scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);
+  }
+}
+
+/// The same for a kernel with internal variables, which it reads and overwrites where they lie. The next batch is
+/// gathered and fetched before the present one is computed.
+/// @tparam kernel the kernel for vectors of W cells, in place
+/// @tparam at its arrays at the points
+template <int W, auto kernel, NodalArrays of, auto at>
+IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
+{
+  typedef typename Lanes<W>::type T;
+  constexpr int N = of.num_nodes, P = of.num_positions, size = of.test_components * N;
+  constexpr int bytes_of_a_line = 64;
+  const impact_cells s = cells;
+  T x[2][3 * P], w[2][of.num_values()], A[at.size_A];
+  T* history[at.count];
+  for (int k = 0; k < at.count; ++k)
+    history[k] = reinterpret_cast<T*>(s.history[k]);
+  const auto read = [&](const int* nodes, int buffer)
+  {
+#pragma GCC unroll 16
+    for (int i = 0; i < P; ++i)
+      gather<W, 3>(s.positions, nodes + W * i, x[buffer] + 3 * i);
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i)
+    {
+      gather<W, of.components>(s.values, nodes + W * i, w[buffer] + of.offset + of.components * i);
+      if constexpr (of.scalar_offset >= 0)
+        gather<W, 1>(s.scalars, nodes + W * i, w[buffer] + of.scalar_offset + i);
+    }
+  };
+  const int* nodes = s.nodes;
+  if (s.num_batches > 0)
+    read(nodes, 0);
+  for (unsigned long long batch = 0; batch < s.num_batches; ++batch, nodes += W * N)
+  {
+    const int buffer = batch % 2;
+    if (batch + 1 < s.num_batches)
+    {
+      read(nodes + W * N, 1 - buffer);
+      for (int k = 0; k < at.count; ++k)
+        for (unsigned long long byte = 0; byte < at.sizes[k] * sizeof(T); byte += bytes_of_a_line)
+          __builtin_prefetch(reinterpret_cast<const char*>(history[k] + at.sizes[k]) + byte, 1);
+    }
+#pragma GCC unroll 48
+    for (int i = 0; i < size; ++i)
+      A[i] = T{};
+    kernel(A, w[buffer], s.constants, x[buffer], 0, history);
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i)
+      scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);
+    for (int k = 0; k < at.num_sums; ++k)
+      for (int lane = 0; lane < W; ++lane)
+        s.sums[k] += A[at.sum_offset + k][lane];
+    if constexpr (at.report_offset >= 0)
+      if (any_lane(A[at.report_offset] > 0.0)) [[unlikely]]
+        s.report(s.owner, batch, reinterpret_cast<const double*>(A));
+    for (int k = 0; k < at.count; ++k)
+      history[k] += at.sizes[k];
   }
 }
 } // namespace dolfinx_impact::kernels::swept

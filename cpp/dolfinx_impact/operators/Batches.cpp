@@ -128,7 +128,8 @@ Batches::Batches(const Integral& integral, std::shared_ptr<const Mesh> mesh,
     a.as_test = test && same_nodes(*V, *test);
     _coefficients.push_back(std::move(a));
   }
-  if (!_history && k.num_sums == 0 && std::ranges::all_of(_coefficients, &Array::as_test))
+  if ((!_history || _stores) &&
+      std::ranges::all_of(_coefficients, [](const Array& a) { return a.field >= 0 || a.as_test; }))
     _kernel_sweep = kernels::sweep(k, _width);
 
   const auto gathered = [](const Array& a) { return a.field < 0; };
@@ -200,6 +201,7 @@ void Batches::set_history(const Integral& integral)
   if (_stores)
   {
     _history = std::make_shared<PointHistory>(k, integral.entities, _width);
+    _places.resize(k.num_outputs);
     return;
   }
   const PointHistory& h = *_history;
@@ -398,11 +400,18 @@ void Batches::store_results(std::size_t batch, const double* A) const
 
 bool Batches::run_kernel_sweep(std::size_t num_batches, double* b) const
 {
-  if (!_kernel_sweep || !_x.as_test)
+  if (!_kernel_sweep || !_x.as_test || (_history && !_history->in_place()))
     return false;
-  impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, nullptr, b, nullptr};
+  const auto report = [](const void* owner, unsigned long long batch, const double* A)
+  { static_cast<const Batches*>(owner)->record_failures(batch, A); };
+  impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, nullptr, b,
+                     nullptr,     _places.data(),    _sums.data(),      report,    this};
+  for (int i = 0; i < int(_places.size()); ++i)
+    _places[i] = _history->is_history(i) ? _history->trial(i, 0) : nullptr;
   for (const Array& a : _coefficients)
   {
+    if (a.field >= 0)
+      continue;
     const double*& place = a.block_size == 1 ? cells.scalars : cells.values;
     place = swept_values(a);
     if (!place)

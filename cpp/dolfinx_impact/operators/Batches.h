@@ -144,8 +144,9 @@ private:
   std::size_t _at_nodes = 0; ///< the first one that is gathered from nodes
   std::vector<double> _constants;
   std::shared_ptr<PointHistory> _history;
-  bool _stores = false;              ///< are outputs written to the history?
-  mutable std::vector<double> _sums; ///< in the kernel's order
+  mutable std::vector<double*> _places; ///< of the outputs that a sweep overwrites
+  bool _stores = false;                 ///< are outputs written to the history?
+  mutable std::vector<double> _sums;    ///< in the kernel's order
   mutable PointFailures _failures;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand
 };

@@ -77,7 +77,7 @@ std::size_t PointHistory::entry(const Field& f, std::size_t cell, int point, int
 std::vector<double> PointHistory::values(std::size_t field, bool trial) const
 {
   const Field& f = _fields.at(field);
-  const std::vector<double>& from = trial && _evaluated && f.is_history ? f.trial : f.committed;
+  const AlignedVector& from = trial && _evaluated && f.is_history ? f.trial : f.committed;
   std::vector<double> out;
   out.reserve(_cells.size() * _num_points * f.num_components);
   for (std::size_t cell = 0; cell < _cells.size(); ++cell)
@@ -120,7 +120,7 @@ state::State PointHistory::state(const std::string& name)
   state::State out(name);
   for (Field& f : _fields)
     if (f.is_history)
-      out.add(f.name, state::Place::rank, f.committed);
+      out.add(f.name, state::Place::rank, state::View(std::span<double>(f.committed)));
   return out;
 }
 

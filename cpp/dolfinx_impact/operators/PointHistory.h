@@ -2,6 +2,7 @@
 #pragma once
 #include "../kernels/Kernel.h"
 #include "../state/State.h"
+#include "lanes.h"
 #include <cstdint>
 #include <span>
 #include <string>
@@ -96,7 +97,7 @@ private:
     int num_components;
     bool is_history;
     std::size_t batch_size;
-    std::vector<double> committed, trial;
+    AlignedVector committed, trial; // kernels that work in place read whole vectors
   };
 
   std::size_t entry(const Field& f, std::size_t cell, int point, int component) const;

@@ -41,6 +41,8 @@ INCLUDE = Path(__file__).parent.parent / "include"
 # half a minute to schedule a long kernel for the pipelines of a recent processor, and the kernel is not faster for it.
 TARGET = ["-march=native", "-mtune=generic"]
 FLAGS = ["-std=c++20", "-O3", *TARGET, "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
+# Of GCC, for kernels with internal variables (cpp/cmake/dolfinx_impactKernels.cmake says why).
+LAW_FLAGS = ["-fschedule-insns", "-fsched-pressure", "-fno-tree-pre", "-fno-gcse", "-fno-tree-loop-im"]
 
 SILENT = 5.0  # compilations that are likely to take longer are announced [s]
 
@@ -269,11 +271,19 @@ def _compiler() -> tuple[list[str], str]:
         processor += next(line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("flags"))
     except (OSError, StopIteration):
         pass
-    digest = hashlib.sha256("\n".join([*command, version, *FLAGS, processor, emit.VERSION]).encode())
+    digest = hashlib.sha256("\n".join([*command, version, *FLAGS, *LAW_FLAGS, processor, emit.VERSION]).encode())
     sources = [*Path(emit.__file__).parent.glob("*.py"), *INCLUDE.glob("dolfinx_impact/kernels/*.h")]
     for source in sorted(sources):
         digest.update(source.read_bytes())
     return command, digest.hexdigest()[:12]
+
+
+def _flags(compiler: list[str], integrals: list[frontend.Integral]) -> list[str]:
+    """Flags for the kernels of some integrals."""
+    has_history = any(o.history >= 0 for i in integrals if i.law is not None for o in i.law.outputs)
+    if not has_history or "Free Software Foundation" not in _run([*compiler, "--version"]).stdout:
+        return FLAGS
+    return [*FLAGS, *LAW_FLAGS]
 
 
 def _run(command: list[str]) -> subprocess.CompletedProcess[str]:
@@ -358,7 +368,7 @@ def _library(key: str, integrals: Callable[[], list[frontend.Integral]]) -> tupl
     try:
         (work / "kernel.cpp").write_text(text, encoding="utf-8")
         files = [str(work / "kernel.cpp"), "-o", str(work / "kernel.so")]
-        command = [*compiler, *FLAGS, f"-I{INCLUDE}", *files, "-lm"]
+        command = [*compiler, *_flags(compiler, found), f"-I{INCLUDE}", *files, "-lm"]
         done = _run(command)
         if done.returncode != 0:
             raise RuntimeError(

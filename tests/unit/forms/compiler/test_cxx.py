@@ -3,7 +3,7 @@
 
 import ffcx.codegeneration.lnodes as L
 
-from dolfinx_impact.forms.compiler.cxx import AnyLane, CxxFormatter, LocalSolve, Text, Unrolled
+from dolfinx_impact.forms.compiler.cxx import AnyLane, Apart, CxxFormatter, LocalSolve, StoreHistory, Text, Unrolled
 
 X, INDEX = L.Symbol("x", L.DataType.SCALAR), L.Symbol("i", L.DataType.INT)
 ADD = L.AssignAdd(X, L.LiteralFloat(1.0))
@@ -33,3 +33,11 @@ def test_local_equations_have_a_start_a_scale_and_a_block():
     guarded = LocalSolve("z", [X], X, [Text("equations();")], L.GT(X, L.LiteralFloat(0.0)), [Text("other();")])
     text = "\n".join(lines(guarded))
     assert text.index("not any_lane(x > ") < text.index("other();") < text.index("equations();")
+
+
+def test_internal_variables_are_written_in_place_where_they_change():
+    old, new, place = (L.Symbol(name, L.DataType.SCALAR) for name in ("old", "new", "place"))
+    found = lines(StoreHistory([(new, old, place), (X, old, place)]))
+    assert found[1:4] == ["if constexpr (in_place)", "changed = any_lane((new != old) |", "(x != old));"]
+    assert found[4:] == ["if (changed)", "{", "place = new;", "place = x;", "}"]
+    assert lines(Apart([ADD])) == ["if constexpr (not in_place)", "{", "x += 1.0;", "}"]

@@ -33,7 +33,7 @@ for row in {rows}:
 
 def source(row):
     built = registry.build(*row)
-    return emit.source(frontend.form_integrals(built.form, row[0], built.names, row[4]), "impact_row")[0]
+    return emit.source(frontend.form_integrals(built.form, row[0], built.names, row[4], built.law), "impact_row")[0]
 
 
 def test_same_text_twice():
@@ -70,6 +70,30 @@ def test_kernels_of_linear_cells_have_a_sweep(row, has_one):
     assert ("impact_row_0_sweep_4(" in text) == has_one
     assert ("kernels/sweep.h" in text) == has_one
     assert ("rounded(" in text) == has_one
+
+
+@pytest.mark.parametrize(
+    "row, arrays, writes",
+    [
+        (
+            ("j2.finite.voce.force", "hexahedron", 1, 1, "3d"),
+            "PointArrays<3> points{{8, 48, 0}, 93, 1, 88, 89}",
+            "in the branch",
+        ),
+        (
+            ("j2.small.linear.force", "hexahedron", 1, 1, "3d"),
+            "PointArrays<2> points{{8, 40}, 73, 1, 72, -1}",
+            "if changed",
+        ),
+        (("linear_elastic.stress", "hexahedron", 1, 1, "3d"), "", ""),  # values that are no internal variables
+    ],
+)
+def test_kernels_with_internal_variables_have_a_sweep_in_place(row, arrays, writes):
+    text = source(row)
+    assert text.count(arrays or "points>(*cells)") == (2 if arrays else 0)
+    assert ("bool in_place" in text) == bool(arrays)
+    assert ("changed = any_lane(" in text) == (writes == "if changed")
+    assert "rounded(" not in text
 
 
 def test_a_sweep_reads_a_scalar_beside_the_displacement():
