@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "ContactNodes.h"
+#include "../common/clones.h"
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -59,6 +60,66 @@ struct Extremes
     return out;
   }
 };
+
+/// Four consecutive numbers in memory, which need not be aligned.
+typedef double FourNumbers __attribute__((vector_size(32), may_alias, aligned(8)));
+
+IMPACT_INLINED FourNumbers& four_at(double* p)
+{
+  return *reinterpret_cast<FourNumbers*>(p);
+}
+IMPACT_INLINED const FourNumbers& four_at(const double* p)
+{
+  return *reinterpret_cast<const FourNumbers*>(p);
+}
+
+/// Values of padded nodes, which are whole registers; that of a node reaches into the next one, which is stored after
+/// it. Nodes up to the last one.
+/// @param[out] u, du, v by node; v null: not wanted
+/// @param[out] least, largest increments, springs' work by component
+IMPACT_CLONES void gather_padded(std::span<const std::int32_t> nodes, const NodalFields& fields, double dt, double* u,
+                                 double* du, double* v, const double* springs, double* least, double* largest,
+                                 double* work)
+{
+  constexpr double infinity = enforcement::IncrementRange::infinity;
+  const FourNumbers step = {dt, dt, dt, dt};
+  FourNumbers low = {infinity, infinity, infinity, infinity}, high = -low, sum = {};
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k)
+  {
+    prefetch<3, 4>(nodes, k, fields.u);
+    prefetch<3, 4>(nodes, k, fields.v);
+    const std::size_t i = std::size_t(nodes[k]) * 4;
+    const FourNumbers velocity = four_at(fields.v.data() + i), d = step * velocity;
+    four_at(u + 3 * k) = four_at(fields.u.data() + i);
+    four_at(du + 3 * k) = d;
+    if (v)
+      four_at(v + 3 * k) = velocity;
+    low = d < low ? d : low;
+    high = d > high ? d : high;
+    sum += four_at(springs + 3 * k) * d;
+  }
+  four_at(least) = low;
+  four_at(largest) = high;
+  four_at(work) = sum;
+}
+
+/// Subtract springs' forces from those of padded nodes, up to the last one.
+/// @param[out] position, increment products with displacements and their increments, by component
+IMPACT_CLONES void subtract_padded(std::span<const std::int32_t> nodes, std::span<double> r, const double* springs,
+                                   const double* u, const double* du, double* position, double* increment)
+{
+  FourNumbers by_position = {}, by_increment = {};
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k)
+  {
+    prefetch<3, 4>(nodes, k, r);
+    const FourNumbers next = four_at(springs + 3 * k), force = {next[0], next[1], next[2], 0.0};
+    four_at(r.data() + std::size_t(nodes[k]) * 4) -= force;
+    by_position += force * four_at(u + 3 * k);
+    by_increment += force * four_at(du + 3 * k);
+  }
+  four_at(position) = by_position;
+  four_at(increment) = by_increment;
+}
 } // namespace
 
 void ContactNodes::assign_numbers(NodalFields& fields, std::vector<std::int32_t> nodes, bool kinematic_contact)
@@ -158,9 +219,24 @@ void ContactNodes::reset()
 template <int D, int stride, bool kinematic_contact>
 double ContactNodes::gather_all(const NodalFields& fields, double dt, bool with_springs)
 {
-  double work[D] = {};
+  double work[4] = {};
   Extremes<D> increments;
-  for (std::size_t k = 0; k < _nodes.size(); ++k)
+  std::size_t first = 0;
+  if constexpr (stride == 4)
+    if (_nodes.size() > 1)
+    {
+      double least[4], largest[4];
+      gather_padded(_nodes, fields, dt, u.data(), du.data(), kinematic_contact ? v.data() : nullptr, springs.data(),
+                    least, largest, work);
+      first = _nodes.size() - 1;
+      std::copy_n(least, D, increments.least);
+      std::copy_n(largest, D, increments.largest);
+      if (with_springs)
+        std::fill_n(springs.data(), first * D, 0.0);
+      else
+        std::fill_n(work, D, 0.0);
+    }
+  for (std::size_t k = first; k < _nodes.size(); ++k)
   {
     prefetch<D, stride>(_nodes, k, fields.u);
     prefetch<D, stride>(_nodes, k, fields.v);
@@ -194,8 +270,15 @@ ContactNodes::Products ContactNodes::add_springs(NodalFields& fields) const
 {
   const auto sweep = [&]<int D, int stride>()
   {
-    double position[D] = {}, work[D] = {};
-    for (std::size_t k = 0; k < _nodes.size(); ++k)
+    double position[4] = {}, work[4] = {};
+    std::size_t first = 0;
+    if constexpr (stride == 4)
+      if (_nodes.size() > 1)
+      {
+        subtract_padded(_nodes, fields.r, springs.data(), u.data(), du.data(), position, work);
+        first = _nodes.size() - 1;
+      }
+    for (std::size_t k = first; k < _nodes.size(); ++k)
     {
       prefetch<D, stride>(_nodes, k, fields.r);
       for (int c = 0; c < D; ++c)

@@ -7,7 +7,7 @@ import dolfinx.cpp
 import numpy
 from numpy.typing import NDArray
 
-ABI: int = 3
+ABI: int = 4
 
 class Kernel:
     """A compiled integral"""

@@ -149,28 +149,6 @@ def test_signature_does_not_depend_on_names_or_numbers(first_number):
     assert [c.count() for c in frontend.canonical(form)[0].constants()] == [0, 1, 2]
 
 
-@pytest.mark.parametrize(
-    ("cell", "degree", "what", "expected"),
-    (
-        ("tetrahedron", 1, "gradient", "true, true"),
-        ("triangle", 1, "gradient", "true, true"),
-        ("tetrahedron", 1, "value", "true, false"),
-        ("tetrahedron", 2, "gradient", "true, false"),
-        ("hexahedron", 1, "gradient", "false, false"),
-    ),
-)
-def test_sweeps_of_kernels_that_read_differences_to_the_first_node(cell, degree, what, expected):
-    """Whether positions and whether values of the displacement are read so alone (kernels/sweep.h: NodalArrays)."""
-    dim = 2 if cell == "triangle" else 3
-    mesh = ufl.Mesh(basix.ufl.element("P", cell, 1, shape=(dim,)))
-    space = ufl.FunctionSpace(mesh, basix.ufl.element("P", cell, degree, shape=(dim,)))
-    u, v = ufl.Coefficient(space), ufl.TestFunction(space)
-    strain = ufl.inner(ufl.sym(ufl.grad(u)), ufl.grad(v))
-    form = (strain if what == "gradient" else strain + ufl.inner(u, v)) * ufl.dx
-    text = emit.source(frontend.form_integrals(form, "form", {u: "u"}), "impact_row")[0]
-    assert text.count(f", {expected}}}>(*cells)") == 2
-
-
 @pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
 def test_signatures_of_expressions_do_not_depend_on_numbers(first_number):
     """Ranks may have made other numbers of constants before: they must find the same kernel."""
