@@ -56,7 +56,7 @@ double StableStepWatch::find_changed(std::span<const double> u)
   std::vector<double> before, deformed;
   for (std::size_t cell = 0; cell < may.size(); ++cell)
   {
-    chosen[cell] = _seen.since[cell] > 0.75 * may[cell];
+    chosen[cell] = _seen.since[cell] > 0.5 * may[cell];
     if (chosen[cell])
     {
       before.push_back(_seen.squares[cell]);
