@@ -84,11 +84,13 @@ def check(cell, make):
     return changed
 
 
-@pytest.mark.parametrize("cell", CELLS)
-@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
-def test_plastic_steps(law, cell):
-    if cell == "tetrahedron" and law.get("kinematic"):
-        pytest.skip("hexahedra show it")
+# Of kinematic hardening hexahedra show it.
+CASES = [(name, cell) for name in LAWS for cell in CELLS if cell != "tetrahedron" or not LAWS[name].get("kinematic")]
+
+
+@pytest.mark.parametrize(("name", "cell"), CASES)
+def test_plastic_steps(name, cell):
+    law = LAWS[name]
     changed = check(
         cell, lambda hypothesis: di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1.0, hypothesis=hypothesis, **law)
     )
