@@ -25,7 +25,7 @@ std::vector<double> CellFrequencies::masses(operators::CellMask only) const
 {
   const std::size_t n = width(), bs = std::size_t(_space->dofmap()->bs());
   std::vector<double> out;
-  if (_kept.empty())
+  if (!_kept)
   {
     out = _masses();
     if (_keeps)
@@ -34,19 +34,19 @@ std::vector<double> CellFrequencies::masses(operators::CellMask only) const
       for (std::size_t i = 0; _by_node && i < out.size(); i += bs)
         _by_node = std::all_of(out.begin() + i, out.begin() + i + bs, [&](double m) { return m == out[i]; });
       const std::size_t step = _by_node ? bs : 1;
-      _kept.resize(out.size() / step);
-      for (std::size_t i = 0; i < _kept.size(); ++i)
-        _kept[i] = out[i * step];
+      _kept.emplace(out.size() / step);
+      for (std::size_t i = 0; i < _kept->size(); ++i)
+        (*_kept)[i] = out[i * step];
     }
   }
   else
   {
     const std::size_t step = _by_node ? bs : 1;
-    out.resize(_kept.size() * step);
+    out.resize(_kept->size() * step);
     for (std::size_t cell = 0; cell < out.size() / n; ++cell)
       if (!only || (*only)[cell])
         for (std::size_t i = cell * n; i < (cell + 1) * n; ++i)
-          out[i] = _kept[i / step];
+          out[i] = (*_kept)[i / step];
   }
   for (std::size_t cell = 0; cell < _factor.size(); ++cell)
     for (std::size_t i = 0; i < n; ++i)

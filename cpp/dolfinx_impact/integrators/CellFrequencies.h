@@ -3,6 +3,7 @@
 #include "../operators/CellBounds.h"
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -60,9 +61,9 @@ private:
   std::shared_ptr<operators::CellBounds> _stiffness, _damping;
   Masses _masses;
   bool _keeps = false;
-  /// Masses without factors, by owned cell and local node, or degree of freedom where those of a node differ; empty:
-  /// not kept [M].
-  mutable std::vector<double> _kept;
+  /// Masses without factors, by owned cell and local node, or degree of freedom where those of a node differ; nothing:
+  /// not known yet, or not kept. All ranks have them, or none: to compute them is collective [M].
+  mutable std::optional<std::vector<double>> _kept;
   mutable bool _by_node = false; ///< is `_kept` by node?
   std::vector<double> _factor;   ///< of each owned cell's mass; empty: no factors [1]
   std::int64_t _num_looks = 0, _num_cells = 0;

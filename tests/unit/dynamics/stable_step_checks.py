@@ -171,6 +171,19 @@ def check_a_body_that_rests_is_not_looked_at_again():
     assert problem.step > 600 and looks.times == 1  # of stable_step, called here
 
 
+def check_ranks_without_cells_look_with_the_others():
+    """One cell, which one of the ranks has: its masses are computed by all, and kept by all."""
+    domain = mesh.create_unit_square(COMM, 1, 1, mesh.CellType.quadrilateral)
+    u = fem.Function(fem.functionspace(domain, ("Lagrange", 1, (2,))))
+    velocity = fem.Function(u.function_space)
+    velocity.interpolate(lambda x: np.stack([10.0 * x[0], 0.0 * x[1]]))  # a quarter of the speed of waves
+    law = di.NeoHookean(1e3, 0.3, density=1.0, hypothesis="plane_strain")
+    problem = di.ExplicitProblem(u, law, velocity=velocity)
+    problem.advance(until=1.0, progress=False)
+    found = COMM.allgather((problem.step, problem._cpp_object.safe_step.num_found))
+    assert found[0][1] > 1 and set(found) == {found[0]}
+
+
 def check_what_is_allowed_follows_from_effects():
     """An input that changes nothing is looked at less and less; one that changes much more often; never less than every
     hundredth."""
