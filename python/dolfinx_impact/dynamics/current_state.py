@@ -53,12 +53,14 @@ class CurrentState:
         V = displacement.function_space
         self.num_owned: int = V.dofmap.index_map.size_local * V.dofmap.index_map_bs
         self.energy: dict[str, float] = {}
-        self._shown: tuple[FloatArray, ...] = ()  # what the functions were set to last
+        # What displacement and velocity were set to last.
+        self._shown: tuple[FloatArray, ...] = tuple(np.empty(self.num_owned) for _ in range(2))
 
     def update_functions(self) -> None:
         """Set the functions to their values at the present time, ghosts included. Collective."""
         self._cpp_object.update_motion()
-        self._shown = tuple(f.x.array[: self.num_owned].copy() for f in self.functions)
+        for shown, function in zip(self._shown, self.functions):
+            shown[:] = function.x.array[: self.num_owned]
 
     def check_not_written(self) -> None:
         """Refuse that others have written to displacement or velocity since the last update, on this rank, and take it
