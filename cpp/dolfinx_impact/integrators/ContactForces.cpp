@@ -438,7 +438,7 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
       const std::size_t j = k * bs + c;
       if (n.inverse[j] == 0.0)
         continue;
-      const double m = 1.0 / n.inverse[j], predicted = n.v[j];
+      const double m = n.mass()[k], predicted = n.v[j];
       const double v = predicted + h * n.inverse[j] * n.kinematic[j];
       n.v[j] = v;
       sums.momentum += m * n.v_before[j] * (v - predicted);

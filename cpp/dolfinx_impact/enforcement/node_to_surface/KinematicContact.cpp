@@ -49,6 +49,7 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
     a->assign(vector, 0.0);
   _moment_corrections.resize(n);
   _arms.resize(vector * _num_masters);
+  _corrections.resize(vector * _num_masters);
   _normal_mass.assign(n, 0.0);
   _isotropic_mass.assign(n, 0.0);
   _coefficients.value.assign(n, options.friction);
@@ -148,9 +149,14 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
       _moment_corrections[q].set<D>(_num_masters, at, point.phi, x, _arms.data() + q * _num_masters * D);
     }
     double* motion = _motion.data() + q * D;
-    relative_to_master<D>(q, du, motion);
     for (int c = 0; c < D; ++c)
-      motion[c] -= _rigid ? _obstacle_motion.increment[c] : 0.0;
+      motion[c] = du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_motion.increment[c] : 0.0);
+    for_nodes(_num_masters,
+              [&](int j)
+              {
+                for (int c = 0; c < D; ++c)
+                  motion[c] -= point.phi[j] * _tracker.masters()[point.corners[j]].du[c];
+              });
     // A node that sticks at a distance, within layers of the surfaces, turns with the facet: that is no slip.
     double* turn = _turn.data() + q * D;
     std::fill_n(turn, D, 0.0);
@@ -402,7 +408,7 @@ void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, doubl
 }
 
 template <int D>
-void KinematicContact::add_all(std::span<double> forces) const
+void KinematicContact::add_all(std::span<double> forces)
 {
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
@@ -410,7 +416,7 @@ void KinematicContact::add_all(std::span<double> forces) const
     const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
     for (int c = 0; c < D; ++c)
       forces[std::size_t(closed.node) * D + c] += f[c];
-    double more[surface::FacetElement::max_nodes * D];
+    double* const more = _corrections.data() + q * _num_masters * D;
     if (corrects_moments())
       _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
                                        [&](int j, int c, double value) { more[j * D + c] = value; });
@@ -426,7 +432,7 @@ void KinematicContact::add_all(std::span<double> forces) const
   }
 }
 
-void KinematicContact::add_forces(std::span<double> forces) const
+void KinematicContact::add_forces(std::span<double> forces)
 {
   _gdim == 2 ? add_all<2>(forces) : add_all<3>(forces);
 }
@@ -465,14 +471,18 @@ void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double 
     const double along = 0.5 * normal * dot(n, before, D), along_later = 0.5 * normal * dot(n, moved, D);
     double work = along, later = along_later;
     if (corrects_moments())
-      _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
-                                       [&](int j, int c, double value)
-                                       {
-                                         const std::size_t k = std::size_t(closed.masters[j]) * D + c;
-                                         const double du = _tracker.masters()[closed.corners[j]].du[c];
-                                         work += 0.5 * value * nodes.before[k];
-                                         later += 0.5 * value * (du + nodes.correction[k]);
-                                       });
+      for_nodes(_num_masters,
+                [&](int j)
+                {
+                  const double* const du = _tracker.masters()[closed.corners[j]].du;
+                  const std::size_t node = std::size_t(closed.masters[j]) * D;
+                  for (int c = 0; c < D; ++c)
+                  {
+                    const double value = _corrections[(q * _num_masters + j) * D + c];
+                    work += 0.5 * value * nodes.before[node + c];
+                    later += 0.5 * value * (du[c] + nodes.correction[node + c]);
+                  }
+                });
     _energy.normal += work;
     _energy.friction -= 0.5 * dot(f, before, D) - along;
     _energy.later_normal += later;

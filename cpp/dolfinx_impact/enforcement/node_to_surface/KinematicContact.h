@@ -53,7 +53,7 @@ public:
   /// @param[in] first it is the first one: nothing is corrected yet
   void solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first);
   /// Add the forces to those of the nodes.
-  void add_forces(std::span<double> forces) const;
+  void add_forces(std::span<double> forces);
   /// Results and work of the step.
   void record(const CorrectedNodes& nodes, double h, double dt);
 
@@ -97,7 +97,7 @@ private:
   template <int D>
   void sweep(const double* correction, double h, double factor, bool first);
   template <int D>
-  void add_all(std::span<double> forces) const;
+  void add_all(std::span<double> forces);
   template <int D>
   void record_all(const CorrectedNodes& nodes, double h, double dt);
 
@@ -111,6 +111,8 @@ private:
   std::vector<double> _phi, _motion, _turn, _nodal_force, _normal_mass, _isotropic_mass;
   std::vector<MomentCorrection> _moment_corrections;
   std::vector<double> _arms; ///< of the moment corrections
+  /// Of the forces that were added last, on the master's nodes of closed node q: [(q*num_masters + j)*gdim + c] [F].
+  std::vector<double> _corrections;
   std::vector<std::int32_t> _contact_nodes;
   // Friction of the closed nodes.
   FieldsAtNodes _fields;

@@ -247,18 +247,14 @@ void TrackedSurface::normal(std::int32_t f, const double* facet, const double* x
 }
 
 template <FacetShape S>
-void TrackedSurface::flat_normal_before(std::int32_t f, const double* xi, const double* u, const double* du,
-                                        double* normal) const
+void TrackedSurface::flat_normal_before(std::int32_t f, const double* xi, double* normal) const
 {
   constexpr int D = linear::dimension<S>;
   const std::int32_t* corners = this->corners(f);
   double x[linear::num_nodes<S>][D];
   for (int j = 0; j < linear::num_nodes<S>; ++j)
     for (int c = 0; c < D; ++c)
-    {
-      const std::size_t k = std::size_t(_nodes[corners[j]]) * D + c;
-      x[j][c] = X(corners[j])[c] + (u[k] - du[k]);
-    }
+      x[j][c] = _node_data[corners[j]].x[c] - _node_data[corners[j]].du[c];
   linear::normal<S>(x, xi, _facets.orientation[f], normal);
 }
 
@@ -268,11 +264,11 @@ void TrackedSurface::normal_before(std::int32_t f, const double* xi, const doubl
   switch (_kind)
   {
   case Kind::interval:
-    return flat_normal_before<FacetShape::interval>(f, xi, u, du, normal);
+    return flat_normal_before<FacetShape::interval>(f, xi, normal);
   case Kind::triangle:
-    return flat_normal_before<FacetShape::triangle>(f, xi, u, du, normal);
+    return flat_normal_before<FacetShape::triangle>(f, xi, normal);
   case Kind::quadrilateral:
-    return flat_normal_before<FacetShape::quadrilateral>(f, xi, u, du, normal);
+    return flat_normal_before<FacetShape::quadrilateral>(f, xi, normal);
   case Kind::general:
     double x[3 * FacetElement::max_nodes];
     positions(f, {u, du}, x);

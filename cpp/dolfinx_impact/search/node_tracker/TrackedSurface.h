@@ -71,6 +71,7 @@ public:
   /// Unit normal of a facet, out of the master, at reference coordinates xi.
   void normal(std::int32_t facet, const double* nodes, const double* xi, double* normal) const;
   /// The same in the configuration u - du, at less cost for facets of degree 1.
+  /// @param[in] u, du as at the last `advance` [L]
   void normal_before(std::int32_t facet, const double* xi, const double* u, const double* du, double* normal) const;
   /// Upper bound on the rotation rate of that normal (NormalRotation) [1/L].
   double rotation_rate(std::int32_t facet, const double* nodes, const double* xi) const;
@@ -103,8 +104,7 @@ public:
 
 private:
   template <surface::FacetShape S>
-  void flat_normal_before(std::int32_t facet, const double* xi, const double* u, const double* du,
-                          double* normal) const;
+  void flat_normal_before(std::int32_t facet, const double* xi, double* normal) const;
   template <int gdim>
   void smooth_positions(std::int32_t facet, Configuration configuration, double* x) const;
   bool mean_normal(const FacetProjection& at, std::int32_t facet, Configuration configuration,
