@@ -37,14 +37,15 @@ struct Square
     x = V->tabulate_dof_coordinates(false);
   }
 
-  std::shared_ptr<InternalForce> operation(std::int32_t cell) const
+  std::shared_ptr<InternalForce> operation(std::int32_t cell) const { return on_cells({cell}); }
+  std::shared_ptr<InternalForce> on_cells(std::vector<std::int32_t> cells) const
   {
     const impact_kernel* kernel =
         kernels::find({.name = "linear_elastic.force", .cell = "quadrilateral", .hypothesis = "plane_strain"}).at(0);
-    return std::make_shared<InternalForce>(mesh, V, std::vector<operators::Integral>{{kernel, {cell}, {young, 0.0}}},
+    return std::make_shared<InternalForce>(mesh, V, std::vector<operators::Integral>{{kernel, std::move(cells), {young, 0.0}}},
                                            std::map<std::string, std::shared_ptr<const operators::Function>>{{"u", u}});
   }
-  FormForces forms() const { return {operation(0), operation(1), "u", ""}; }
+  FormForces forms() const { return {operation(0), operation(1), on_cells({}), "u", ""}; }
 
   /// Fields with a displacement and a velocity in x that grow linearly with x.
   NodalFields fields(double strain, double rate) const
