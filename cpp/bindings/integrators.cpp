@@ -59,10 +59,14 @@ void dolfinx_impact::bindings::integrators(nb::module_& m)
   nb::class_<FormForces>(m, "FormForces", "Forces of a form, and which coefficients the integrator provides")
       .def(
           "__init__",
-          [](FormForces* self, std::shared_ptr<InternalForce> inner, std::shared_ptr<InternalForce> outer,
-             std::string displacement, std::string velocity)
-          { new (self) FormForces{std::move(inner), std::move(outer), std::move(displacement), std::move(velocity)}; },
-          nb::arg("inner").none(), nb::arg("outer").none(), nb::arg("displacement") = "", nb::arg("velocity") = "");
+          [](FormForces* self, std::shared_ptr<InternalForce> early, std::shared_ptr<InternalForce> outer,
+             std::shared_ptr<InternalForce> late, std::string displacement, std::string velocity)
+          {
+            new (self) FormForces{std::move(early), std::move(outer), std::move(late), std::move(displacement),
+                                  std::move(velocity)};
+          },
+          nb::arg("early").none(), nb::arg("outer").none(), nb::arg("late").none(), nb::arg("displacement") = "",
+          nb::arg("velocity") = "");
   nb::class_<CentralDifference>(m, "CentralDifference", "Explicit integration; docs/explicit/scheme.md")
       .def(
           "__init__",

@@ -19,7 +19,7 @@ using namespace dolfinx_impact::integrators;
 
 namespace
 {
-/// The unit square in two cells, one of the inner and one of the outer operator; E = 3, nu = 0.
+/// The unit square in two cells, one of the early and one of the outer operator; E = 3, nu = 0.
 struct Square
 {
   static constexpr double young = 3.0;
@@ -37,14 +37,15 @@ struct Square
     x = V->tabulate_dof_coordinates(false);
   }
 
-  std::shared_ptr<InternalForce> operation(std::int32_t cell) const
+  std::shared_ptr<InternalForce> operation(std::int32_t cell) const { return on_cells({cell}); }
+  std::shared_ptr<InternalForce> on_cells(std::vector<std::int32_t> cells) const
   {
     const impact_kernel* kernel =
         kernels::find({.name = "linear_elastic.force", .cell = "quadrilateral", .hypothesis = "plane_strain"}).at(0);
-    return std::make_shared<InternalForce>(mesh, V, std::vector<operators::Integral>{{kernel, {cell}, {young, 0.0}}},
+    return std::make_shared<InternalForce>(mesh, V, std::vector<operators::Integral>{{kernel, std::move(cells), {young, 0.0}}},
                                            std::map<std::string, std::shared_ptr<const operators::Function>>{{"u", u}});
   }
-  FormForces forms() const { return {operation(0), operation(1), "u", ""}; }
+  FormForces forms() const { return {operation(0), operation(1), on_cells({}), "u", ""}; }
 
   /// Fields with a displacement and a velocity in x that grow linearly with x.
   NodalFields fields(double strain, double rate) const
@@ -146,8 +147,15 @@ TEST_CASE("a force term refuses what it cannot evaluate")
   const NodalFields fields = square.fields(0.0, 0.0);
   const auto term = [&](FormForces forms, WorkKind kind) { return ForceTerm(std::move(forms), kind, fields); };
   CHECK_THROWS_AS(term(square.forms(), WorkKind::contact), std::invalid_argument);
-  CHECK_THROWS_AS(term({nullptr, square.operation(1), "u", ""}, WorkKind::damping), std::invalid_argument);
-  CHECK_THROWS_AS(term({square.operation(0), nullptr, "u", ""}, WorkKind::damping), std::invalid_argument);
-  CHECK_THROWS_AS(term({square.operation(0), square.operation(1), "w", ""}, WorkKind::damping), std::invalid_argument);
-  CHECK_THROWS_AS(term({square.operation(0), square.operation(1), "u", "w"}, WorkKind::damping), std::invalid_argument);
+  const auto refused = [&](auto change)
+  {
+    FormForces forms = square.forms();
+    change(forms);
+    CHECK_THROWS_AS(term(forms, WorkKind::damping), std::invalid_argument);
+  };
+  refused([](FormForces& forms) { forms.early = nullptr; });
+  refused([](FormForces& forms) { forms.outer = nullptr; });
+  refused([](FormForces& forms) { forms.late = nullptr; });
+  refused([](FormForces& forms) { forms.displacement = "w"; });
+  refused([](FormForces& forms) { forms.velocity = "w"; });
 }

@@ -172,7 +172,7 @@ void CentralDifference::fields_changed()
 bool CentralDifference::evaluate()
 {
   _contact.check_step();
-  assemble(*_internal.inner, _fields, _fields.r);
+  assemble(*_internal.early, _fields, _fields.r);
   _fields.end_exchange(_last_step);
   const bool stable = _energies.end_sum();
   _deformed = _deformed || _energies.deformed();
@@ -184,22 +184,24 @@ bool CentralDifference::evaluate()
   if (_contact.work_of_step(_fields, _last_step))
     fields_changed();
   assemble(*_internal.outer, _fields, _fields.r);
-  _energies.set_materials(_internal.elastic_energy(), _internal.num_unsolved());
-  _internal.commit();
   for (ForceTerm& term : _terms)
     term.evaluate(_fields, _last_step);
   _contact.evaluate(_fields);
+  _fields.halo->reverse_begin(_fields.r, _fields.bs, _fields.stride);
+  assemble(*_internal.late, _fields, _fields.r);
+  _energies.set_materials(_internal.elastic_energy(), _internal.num_unsolved());
+  _internal.commit();
   _contact.sum_forces_on_bodies();
   _contact.predict_searches();
-  complete_residual();
+  end_residual_exchange();
   _evaluated = true;
   return stable;
 }
 
-/// Ghosts' contributions go to the owners.
-void CentralDifference::complete_residual()
+/// Owners receive the ghosts' contributions.
+void CentralDifference::end_residual_exchange()
 {
-  _fields.halo->reverse(_fields.r, _fields.bs, _fields.stride);
+  _fields.halo->reverse_end(_fields.r, _fields.bs, _fields.stride);
   std::fill(_fields.r.begin() + _fields.owned_entries, _fields.r.end(), 0.0);
 }
 
@@ -316,11 +318,12 @@ void CentralDifference::revise()
   const std::vector<double> springs = _contact.forces(_fields).springs;
   std::fill(_fields.r.begin(), _fields.r.end(), 0.0);
   _positions.update();
-  for (const auto& operation : {_internal.inner, _internal.outer})
+  for (const InternalForce* operation : _internal.parts())
     assemble(*operation, _fields, _fields.r);
   for (ForceTerm& term : _terms)
     term.evaluate(_fields, _last_step);
-  complete_residual();
+  _fields.halo->reverse_begin(_fields.r, _fields.bs, _fields.stride);
+  end_residual_exchange();
   for (std::size_t i = 0; i < _fields.owned; ++i)
     _fields.r[_fields.entry(i)] -= springs[i];
 }

@@ -149,7 +149,7 @@ private:
   double uncertainty() const;
   void fields_changed();
   bool evaluate();
-  void complete_residual();
+  void end_residual_exchange();
   void advance(double dt, const double* amplitudes);
   bool asked_to_stop(const std::function<bool()>& asked);
   bool look();

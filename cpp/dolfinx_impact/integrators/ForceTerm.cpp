@@ -27,11 +27,14 @@ double sum_of_products(std::size_t size, const double* a, const double* b)
 
 void FormForces::check() const
 {
-  if (!inner || !outer)
-    throw std::invalid_argument(std::string("the operator of the ") + (inner ? "outer" : "inner") +
+  if (!early || !outer || !late)
+    throw std::invalid_argument(std::string("the operator of the ") +
+                                (!early   ? "early"
+                                 : !outer ? "outer"
+                                          : "late") +
                                 " cells is null: give one without cells where there are none");
   for (const std::string& name : {displacement, velocity})
-    if (!name.empty() && !inner->has(name) && !outer->has(name))
+    if (!name.empty() && std::ranges::none_of(parts(), [&](const InternalForce* part) { return part->has(name); }))
       throw std::invalid_argument("no kernel of the forces has a coefficient named '" + name +
                                   "': give the name in the kernels, or an empty one if they have none");
 }
@@ -50,28 +53,36 @@ std::vector<std::int32_t> FormForces::outer_nodes() const
 
 bool FormForces::has_history() const
 {
-  return inner && outer && (inner->has_history() || outer->has_history());
+  return std::ranges::any_of(parts(), [](const InternalForce* part) { return part && part->has_history(); });
 }
 
 double FormForces::elastic_energy() const
 {
-  return has_history() ? inner->sum("elastic") + outer->sum("elastic") : 0.0;
+  double sum = 0.0;
+  if (has_history())
+    for (const InternalForce* part : parts())
+      sum += part->sum("elastic");
+  return sum;
 }
 
 std::size_t FormForces::num_unsolved() const
 {
-  return has_history() ? inner->num_failures() + outer->num_failures() : 0;
+  std::size_t sum = 0;
+  if (has_history())
+    for (const InternalForce* part : parts())
+      sum += part->num_failures();
+  return sum;
 }
 
 void FormForces::commit() const
 {
-  inner->commit();
-  outer->commit();
+  for (InternalForce* part : parts())
+    part->commit();
 }
 
 void FormForces::read(const NodalFields& fields) const
 {
-  for (InternalForce* operation : {inner.get(), outer.get()})
+  for (InternalForce* operation : parts())
   {
     if (!displacement.empty())
       operation->read(displacement, fields.u.data(), fields.stride);
@@ -82,7 +93,7 @@ void FormForces::read(const NodalFields& fields) const
 
 void FormForces::read_positions(const operators::NodePositions& positions) const
 {
-  for (InternalForce* operation : {inner.get(), outer.get()})
+  for (InternalForce* operation : parts())
     operation->read_positions(&positions);
 }
 
@@ -101,7 +112,7 @@ ForceTerm::ForceTerm(FormForces forms, WorkKind kind, const NodalFields& fields)
   if (kind == WorkKind::contact)
     throw std::invalid_argument("contacts are added by add_contact");
   _forms.check();
-  for (const auto& operation : {_forms.inner, _forms.outer})
+  for (const InternalForce* operation : _forms.parts())
     for (const std::int32_t dof : operation->reached_dofs())
       _entries.push_back(std::int32_t(fields.entry(dof)));
   std::sort(_entries.begin(), _entries.end());
@@ -143,7 +154,7 @@ void ForceTerm::evaluate(NodalFields& fields, double dt)
   else
     std::fill(force, force + fields.own_entries, 0.0);
   _gathered = false;
-  for (InternalForce* operation : {_forms.inner.get(), _forms.outer.get()})
+  for (const InternalForce* operation : _forms.parts())
     assemble(*operation, fields, _force);
   if (_few)
     for (const std::int32_t i : _entries)

@@ -3,6 +3,7 @@
 #include "../operators/InternalForce.h"
 #include "NodalFields.h"
 #include "energy.h"
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,13 +12,15 @@ namespace dolfinx_impact::integrators
 {
 using operators::InternalForce;
 
-/// Forces of a form: of the cells that touch no ghost node, and of the others.
+/// Forces of a form, by what a step may do meanwhile: early ones are computed while the ghosts' displacements arrive,
+/// late ones while forces on ghosts go to their owners. Neither touches a ghost node; the outer ones do.
 struct FormForces
 {
-  std::shared_ptr<InternalForce> inner, outer; ///< neither is null; an operator may have no cells
+  std::shared_ptr<InternalForce> early, outer, late; ///< none is null; an operator may have no cells
   /// Names of the coefficients that the integrator provides; empty: none. The velocity is that half a step before.
   std::string displacement, velocity;
 
+  std::array<InternalForce*, 3> parts() const { return {early.get(), outer.get(), late.get()}; }
   /// @throws std::invalid_argument for an operator that is null, a name that no kernel has
   void check() const;
   /// Nodes that the outer cells reach, for facets between cells those of ghost cells as well.

@@ -9,7 +9,7 @@ namespace dolfinx_impact::operators
 {
 namespace
 {
-constexpr int count_tag = 1, index_tag = 2, value_tag = 3;
+constexpr int count_tag = 1, index_tag = 2, forward_tag = 3, reverse_tag = 4;
 
 void check(MPI_Comm comm, int error)
 {
@@ -71,56 +71,85 @@ Halo::Halo(std::shared_ptr<const dolfinx::common::IndexMap> map, std::span<const
 
   const auto messages = [](const std::vector<int>& counts)
   { return std::ranges::count_if(counts, [](int count) { return count > 0; }); };
-  _owned_messages = messages(owned_counts);
-  _ghost_messages = messages(ghost_counts);
-  _owned_buffer.resize(_owned.size() * max_bs);
-  _ghost_buffer.resize(_ghosts.size() * max_bs);
-  const auto prepare =
-      [&](int direction, int bs, const auto& ranks, const std::vector<int>& counts, double* buffer, bool send)
+  _forward.count = messages(owned_counts);
+  _reverse.count = messages(ghost_counts);
+  for (Messages* direction : {&_forward, &_reverse})
+  {
+    const bool forward = direction == &_forward;
+    direction->sent.resize((forward ? _owned : _ghosts).size() * max_bs);
+    direction->received.resize((forward ? _ghosts : _owned).size() * max_bs);
+  }
+  const auto each_message = [](const auto& ranks, const std::vector<int>& counts, int bs, auto prepare)
   {
     for (std::size_t i = 0, at = 0; i < ranks.size(); at += counts[i++])
-    {
-      if (counts[i] == 0) // the neighbour knows that as well
-        continue;
-      double* data = buffer + at * bs;
-      MPI_Request* request = &_requests[direction][bs].emplace_back();
-      const int n = counts[i] * bs, tag = value_tag + direction;
-      check(comm, send ? MPI_Send_init(data, n, MPI_DOUBLE, ranks[i], tag, comm, request)
-                       : MPI_Recv_init(data, n, MPI_DOUBLE, ranks[i], tag, comm, request));
-    }
+      if (counts[i] > 0) // the neighbour knows that as well
+        prepare(at * bs, counts[i] * bs, ranks[i]);
+  };
+  const auto send = [&](Messages& direction, int bs, const auto& ranks, const std::vector<int>& counts, int tag)
+  {
+    each_message(ranks, counts, bs,
+                 [&](std::size_t at, int size, int rank)
+                 {
+                   check(comm, MPI_Send_init(direction.sent.data() + at, size, MPI_DOUBLE, rank, tag, comm,
+                                             &direction.sends[bs].emplace_back()));
+                 });
+  };
+  const auto receive = [&](Messages& direction, int bs, const auto& ranks, const std::vector<int>& counts, int tag)
+  {
+    each_message(ranks, counts, bs,
+                 [&](std::size_t at, int size, int rank)
+                 {
+                   check(comm, MPI_Recv_init(direction.received.data() + at, size, MPI_DOUBLE, rank, tag, comm,
+                                             &direction.receives[bs].emplace_back()));
+                 });
   };
   for (int bs = 1; bs <= max_bs; ++bs)
-    for (int direction = 0; direction < 2; ++direction)
-    {
-      prepare(direction, bs, sources, ghost_counts, _ghost_buffer.data(), direction == 1);
-      prepare(direction, bs, destinations, owned_counts, _owned_buffer.data(), direction == 0);
-    }
+  {
+    receive(_forward, bs, sources, ghost_counts, forward_tag);
+    send(_forward, bs, destinations, owned_counts, forward_tag);
+    receive(_reverse, bs, destinations, owned_counts, reverse_tag);
+    send(_reverse, bs, sources, ghost_counts, reverse_tag);
+  }
 }
 
 Halo::~Halo()
 {
   int finalized = 0;
   MPI_Finalized(&finalized);
-  if (!finalized)
-    for (auto& direction : _requests)
-      for (auto& requests : direction)
+  if (finalized)
+    return;
+  for (Messages* messages : {&_forward, &_reverse})
+  {
+    auto& last = messages->sends[messages->on_their_way]; // none has 0 values per node
+    if (!last.empty())
+      MPI_Waitall(int(last.size()), last.data(), MPI_STATUSES_IGNORE);
+    for (auto* all : {&messages->sends, &messages->receives})
+      for (auto& requests : *all)
         for (MPI_Request& request : requests)
           MPI_Request_free(&request);
+  }
 }
 
-void Halo::start(int direction, int bs)
+void Halo::begin(Messages& messages, std::span<const std::int32_t> nodes, std::span<const double> values, int bs,
+                 int stride)
 {
-  auto& requests = _requests[direction][bs];
-  const bool forward = direction == 0;
-  _traffic +=
-      {forward ? _owned_messages : _ghost_messages, std::int64_t(forward ? _owned.size() : _ghosts.size()) * bs};
-  if (!requests.empty()) // no null pointers: MPI implementations differ on them
-    check(_comm.comm(), MPI_Startall(int(requests.size()), requests.data()));
+  const std::size_t s = checked_stride(values, bs, stride);
+  wait(messages.sends[messages.on_their_way]);
+  const auto start = [this](std::vector<MPI_Request>& requests)
+  {
+    if (!requests.empty()) // no null pointers: MPI implementations differ on them
+      check(_comm.comm(), MPI_Startall(int(requests.size()), requests.data()));
+  };
+  start(messages.receives[bs]);
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    std::copy_n(values.data() + nodes[i] * s, bs, messages.sent.data() + i * bs);
+  start(messages.sends[bs]);
+  messages.on_their_way = bs;
+  _traffic += {messages.count, std::int64_t(nodes.size()) * bs};
 }
 
-void Halo::wait(int direction, int bs)
+void Halo::wait(std::vector<MPI_Request>& requests)
 {
-  auto& requests = _requests[direction][bs];
   if (requests.empty())
     return;
   const double begin = MPI_Wtime();
@@ -140,34 +169,28 @@ int Halo::checked_stride(std::span<const double> values, int bs, int stride) con
 
 void Halo::forward_begin(std::span<const double> values, int bs, int stride)
 {
-  const int s = checked_stride(values, bs, stride);
-  for (std::size_t i = 0; i < _owned.size(); ++i)
-    std::copy_n(values.data() + std::size_t(_owned[i]) * s, bs, _owned_buffer.data() + i * bs);
-  start(0, bs);
+  begin(_forward, _owned, values, bs, stride);
 }
 
 void Halo::forward_end(std::span<double> values, int bs, int stride)
 {
-  const int s = checked_stride(values, bs, stride);
-  wait(0, bs);
+  const std::size_t s = checked_stride(values, bs, stride);
+  wait(_forward.receives[bs]);
   for (std::size_t i = 0; i < _ghosts.size(); ++i)
-    std::copy_n(_ghost_buffer.data() + i * bs, bs, values.data() + std::size_t(_ghosts[i]) * s);
+    std::copy_n(_forward.received.data() + i * bs, bs, values.data() + _ghosts[i] * s);
 }
 
 void Halo::reverse_begin(std::span<const double> values, int bs, int stride)
 {
-  const int s = checked_stride(values, bs, stride);
-  for (std::size_t i = 0; i < _ghosts.size(); ++i)
-    std::copy_n(values.data() + std::size_t(_ghosts[i]) * s, bs, _ghost_buffer.data() + i * bs);
-  start(1, bs);
+  begin(_reverse, _ghosts, values, bs, stride);
 }
 
 void Halo::reverse_end(std::span<double> values, int bs, int stride)
 {
-  const int s = checked_stride(values, bs, stride);
-  wait(1, bs);
+  const std::size_t s = checked_stride(values, bs, stride);
+  wait(_reverse.receives[bs]);
   for (std::size_t i = 0; i < _owned.size(); ++i)
     for (int c = 0; c < bs; ++c)
-      values[std::size_t(_owned[i]) * s + c] += _owned_buffer[i * bs + c];
+      values[_owned[i] * s + c] += _reverse.received[i * bs + c];
 }
 } // namespace dolfinx_impact::operators

@@ -14,8 +14,12 @@ namespace dolfinx_impact::operators
 {
 /// Exchange of nodal values between a rank and its neighbours, without allocation: arrays values[node*bs + c] over the
 /// nodes of an IndexMap, owned first, then ghosts. One message per neighbour and direction, by persistent requests;
-/// none to a neighbour with nothing to exchange. One exchange at a time: begin and end of one before the begin of the
-/// next.
+/// none to a neighbour with nothing to exchange. One exchange of a direction at a time: begin and end of one before the
+/// begin of the next.
+///
+/// The end of an exchange waits for what this rank receives. What it has sent is waited for before the next exchange of
+/// that direction: MPI may tell a sender that a long message has arrived only once the neighbour is in MPI, too, and a
+/// rank that waits for that is no faster than the slowest of its neighbours in every exchange.
 class Halo
 {
 public:
@@ -78,17 +82,25 @@ public:
   const Traffic& traffic() const { return _traffic; }
 
 private:
+  /// Messages of a direction, forward or reverse, by values per node.
+  struct Messages
+  {
+    std::vector<double> sent, received; ///< buffers
+    std::array<std::vector<MPI_Request>, max_bs + 1> sends, receives;
+    std::int64_t count = 0; ///< of those that this rank sends in an exchange
+    int on_their_way = 0;   ///< values per node of sends that were not waited for; 0: none
+  };
+
   int checked_stride(std::span<const double> values, int bs, int stride) const;
-  void start(int direction, int bs);
-  void wait(int direction, int bs);
+  /// Pack values of nodes that others have, and send them.
+  void begin(Messages& messages, std::span<const std::int32_t> nodes, std::span<const double> values, int bs,
+             int stride);
+  void wait(std::vector<MPI_Request>& requests);
 
   std::shared_ptr<const dolfinx::common::IndexMap> _map;
   dolfinx::MPI::Comm _comm;                  ///< a duplicate, so that other messages cannot interfere
   std::vector<std::int32_t> _owned, _ghosts; ///< nodes in the order of the messages, neighbour after neighbour
-  std::vector<double> _owned_buffer, _ghost_buffer;
-  /// [direction][bs]: 0 forward, 1 reverse
-  std::array<std::array<std::vector<MPI_Request>, max_bs + 1>, 2> _requests;
-  std::int64_t _owned_messages = 0, _ghost_messages = 0; ///< of an exchange forward, and reverse
+  Messages _forward, _reverse;
   Traffic _traffic;
 };
 } // namespace dolfinx_impact::operators

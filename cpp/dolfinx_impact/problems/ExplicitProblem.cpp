@@ -281,7 +281,7 @@ ExplicitStepper::System ExplicitProblem::system()
           },
           [this]
           {
-            for (const auto& operation : {_body.internal.inner, _body.internal.outer})
+            for (operators::InternalForce* operation : _body.internal.parts())
               if (operation->has_history())
                 operation->store_snapshot();
             keep_bodies();
@@ -292,7 +292,7 @@ ExplicitStepper::System ExplicitProblem::system()
 
 void ExplicitProblem::go_back()
 {
-  for (const auto& operation : {_body.internal.inner, _body.internal.outer})
+  for (operators::InternalForce* operation : _body.internal.parts())
     if (operation->has_history())
       operation->restore_snapshot();
   for (const ContactInTime& c : _contacts)

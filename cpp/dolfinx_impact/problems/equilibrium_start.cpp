@@ -19,7 +19,7 @@ namespace
 operators::Histories histories_of(const ExplicitBody& body)
 {
   operators::Histories out;
-  for (const auto& force : {body.internal.inner, body.internal.outer})
+  for (operators::InternalForce* force : body.internal.parts())
     for (std::size_t i = 0; i < force->num_integrals(); ++i)
       if (auto history = force->history(i))
         out.push_back(std::move(history));

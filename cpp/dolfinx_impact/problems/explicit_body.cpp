@@ -30,22 +30,29 @@ bool reads(const impact_kernel& kernel, std::string_view name)
                      [&](const impact_coefficient& c) { return c.name == name; });
 }
 
-/// Forces of integrals: those of cells without ghost nodes, and the others.
+/// Forces of integrals: those of cells without ghost nodes in two halves, and the others.
 integrators::FormForces split(const std::shared_ptr<const dolfinx::fem::FunctionSpace<double>>& V,
                               const std::vector<Integral>& integrals, const Coefficients& coefficients)
 {
   const auto& dofmap = *V->dofmap();
   const std::int32_t owned = dofmap.index_map->size_local();
-  std::vector<Integral> inner, outer;
+  std::vector<Integral> early, outer, late;
   std::string u, v;
   for (const Integral& integral : integrals)
   {
-    Integral in{integral.kernel, {}, integral.constants}, out = in;
+    Integral in{integral.kernel, {}, integral.constants}, out = in, rest = in;
     for (const std::int32_t cell : integral.entities)
       (std::ranges::any_of(dofmap.cell_dofs(cell), [&](std::int32_t node) { return node >= owned; }) ? out : in)
           .entities.push_back(cell);
-    inner.push_back(std::move(in));
+    if (!out.entities.empty()) // else there is nothing to wait for
+    {
+      const auto half = in.entities.begin() + std::ptrdiff_t((in.entities.size() + 1) / 2);
+      rest.entities.assign(half, in.entities.end());
+      in.entities.erase(half, in.entities.end());
+    }
+    early.push_back(std::move(in));
     outer.push_back(std::move(out));
+    late.push_back(std::move(rest));
     u = reads(*integral.kernel, "u") ? "u" : u;
     v = reads(*integral.kernel, "velocity") ? "velocity" : v;
   }
@@ -55,7 +62,7 @@ integrators::FormForces split(const std::shared_ptr<const dolfinx::fem::Function
     force->set_in_place(true);
     return force;
   };
-  return {make(inner), make(outer), u, v};
+  return {make(early), make(outer), make(late), u, v};
 }
 
 } // namespace

@@ -17,7 +17,7 @@ namespace
 operators::Histories histories_of(const ExplicitBody& body)
 {
   operators::Histories out;
-  for (const auto& operation : {body.internal.inner, body.internal.outer})
+  for (operators::InternalForce* operation : body.internal.parts())
     for (std::size_t i = 0; i < operation->num_integrals(); ++i)
       if (const auto& history = operation->history(i))
         out.push_back(history);

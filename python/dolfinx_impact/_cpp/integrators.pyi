@@ -133,8 +133,9 @@ class FormForces:
 
     def __init__(
         self,
-        inner: dolfinx_impact._cpp.operators.InternalForce_float64 | None,
+        early: dolfinx_impact._cpp.operators.InternalForce_float64 | None,
         outer: dolfinx_impact._cpp.operators.InternalForce_float64 | None,
+        late: dolfinx_impact._cpp.operators.InternalForce_float64 | None,
         displacement: str = "",
         velocity: str = "",
     ) -> None: ...

@@ -73,11 +73,18 @@ def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int,
 
 
 def _choose(V: FunctionSpace, entities: IntArray, integral_type: str, part: str) -> IntArray:
-    """Entities whose cells have no ghost node ("inner"), or the others ("outer")."""
+    """Entities whose cells have ghost nodes ("outer"), the first half of the others ("early"), or their rest ("late").
+
+    Without outer ones there is nothing to wait for: all are early.
+    """
     num_owned, dofs = V.dofmap.index_map.size_local, V.dofmap.list
     rows, cells = entity_rows(entities, integral_type)
     outer = np.any(dofs[cells] >= num_owned, axis=(1, 2))
-    return rows[outer if part == "outer" else ~outer].ravel()
+    if part == "outer":
+        return rows[outer].ravel()
+    inner = rows[~outer]
+    half = (len(inner) + 1) // 2 if np.any(outer) else len(inner)
+    return (inner[:half] if part == "early" else inner[half:]).ravel()
 
 
 def entity_rows(entities: IntArray, integral_type: str) -> tuple[IntArray, IntArray]:
@@ -258,7 +265,7 @@ class _Operator:
             width,
         )
         for f in coefficients.values():
-            if isinstance(f, NodalMean) and part != "inner":
+            if isinstance(f, NodalMean) and part in (None, "outer"):
                 names = [name for name, other in coefficients.items() if other is f.displacement]
                 self._cpp_object.add_average(nodal_average(f, width), names[0] if names else "")
 
@@ -328,7 +335,8 @@ class InternalForce(_Operator):
     Args:
         form: UFL form of rank 1 over dx, ds and dS of one mesh; every call reads its functions and constants anew.
         width: cells per kernel call, 1, 4 or 8; 0: the default of the machine.
-        part: "inner": only cells without ghost nodes; "outer": only cells with ghost nodes; None: all cells.
+        part: "outer": only cells with ghost nodes; "early", "late": the first and the second half of the others, all of
+            which are early where there are no outer ones; None: all cells.
         law: internal variables and local equations of all cells, or by cell tag (forms/point_law.py); None: none.
             Every evaluation starts from the values of the last `history.commit`.
 
@@ -507,8 +515,8 @@ class SplitForce(Described):
         law: Laws | None = None,
         mixed: bool = False,
     ) -> None:
-        self._parts = [InternalForce(form, part=part, law=law) for part in ("inner", "outer")]
-        self.history = self._parts[0].history + self._parts[1].history
+        self._parts = [InternalForce(form, part=part, law=law) for part in ("early", "outer", "late")]
+        self.history = self._parts[0].history + self._parts[1].history + self._parts[2].history
         for part in self._parts:
             part._cpp_object.set_in_place(True)
             if mixed:
@@ -540,11 +548,11 @@ class SplitForce(Described):
         """Make the object of the C++ side.
 
         Returns:
-            Both parts, with the names of the displacement and of the velocity among the coefficients.
+            All parts, with the names of the displacement and of the velocity among the coefficients.
         """
         given = [self._names.get(id(f), "") for f in self._given]
-        inner, outer = (part._cpp_object for part in self._parts)
-        return _cpp.integrators.FormForces(inner, outer, *given)
+        early, outer, late = (part._cpp_object for part in self._parts)
+        return _cpp.integrators.FormForces(early, outer, late, *given)
 
 
 class Energy(_Operator):

@@ -226,7 +226,7 @@ def test_operators_and_names_that_are_not_there():
     from dolfinx_impact.assembly import operators
 
     b = Body(COMM)
-    parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("inner", "outer")]
+    parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("early", "outer", "late")]
     mass = np.ones(len(b.u.x.array))
 
     def make(*arguments):
@@ -236,8 +236,9 @@ def test_operators_and_names_that_are_not_there():
 
     solver = make(*parts, "u", "")
     for text, arguments in (
-        ("inner cells is null", (None, parts[1], "u", "")),
-        ("outer cells is null", (parts[0], None, "u", "")),
+        ("early cells is null", (None, *parts[1:], "u", "")),
+        ("outer cells is null", (parts[0], None, parts[2], "u", "")),
+        ("late cells is null", (*parts[:2], None, "u", "")),
         ("coefficient named 'w'", (*parts, "w", "")),
         ("coefficient named 'v'", (*parts, "u", "v")),
     ):
@@ -253,7 +254,7 @@ def test_contact_without_its_step_is_told():
     from dolfinx_impact.assembly import operators
 
     b = Body(COMM)
-    parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("inner", "outer")]
+    parts = [operators.InternalForce(b.elastic(), part=p)._cpp_object for p in ("early", "outer", "late")]
     forces = _cpp.integrators.FormForces(*parts, "u", "")
     scheme = _cpp.integrators.Scheme.half_step
     solver = _cpp.integrators.CentralDifference(b.V._cpp_object, forces, False, np.ones(len(b.u.x.array)), 0.0, scheme)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Nodal values travel between owners and ghosts, whatever the number of values per node. See on_ranks.py."""
 
+import time
+
 import numpy as np
 import pytest
 from dolfinx import fem, mesh
@@ -43,6 +45,25 @@ def check_forward_and_reverse():
             halo.reverse(values, bs)
             assert np.allclose(values[: owned * bs], full[: owned * bs] * np.repeat(copies[:owned], bs), rtol=1e-15)
             assert np.array_equal(values[owned * bs :], full[owned * bs :])
+
+
+def check_long_messages():
+    """Messages that MPI leaves in the sender's memory: no exchange overwrites what the one before has sent."""
+    count, following = 3000, (COMM.rank + 1) % COMM.size
+    ghosts = following * count + np.arange(count if COMM.size > 1 else 0)
+    halo = _cpp.operators.Halo(compat.create_index_map(COMM, count, ghosts, np.full(len(ghosts), following)))
+    numbers = np.append(COMM.rank * count + np.arange(count), ghosts).astype(float)
+    for k in range(6):
+        if k % COMM.size == COMM.rank:
+            time.sleep(0.01)  # the others are ahead
+        bs = (3, 3, 1)[k % 3]
+        full = np.repeat(numbers + 1e6 * k, bs)
+        values = full.copy()
+        values[count * bs :] = np.nan
+        halo.forward(values, bs)
+        assert np.array_equal(values, full)
+        halo.reverse(values, bs)
+        assert np.array_equal(values[: count * bs], full[: count * bs] * (2 if COMM.size > 1 else 1))
 
 
 def check_some_ghosts():

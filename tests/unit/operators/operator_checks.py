@@ -148,6 +148,27 @@ def check_everywhere_and_tagged():
     equal(di.InternalForce(form).apply().array, assembled(form))
 
 
+def check_parts():
+    """Early, outer and late cells are all cells; only outer ones touch ghosts, and the others are two halves."""
+    u = displacement(body("hexahedron", (6, 5, 4)), 1)
+    V = u.function_space
+    num_cells, num_owned = V.mesh.topology.index_map(3).size_local, V.dofmap.index_map.size_local
+    form = di.operators.internal_force_form(u, ufl.TestFunction(V), di.LinearElastic(2.1, 0.3))
+    force, work = {}, {}
+    for part in (None, "early", "outer", "late"):
+        operator = di.InternalForce(form, part=part)
+        force[part] = np.zeros(len(u.x.array))
+        operator.assemble(force[part])
+        work[part] = operator.flops
+    equal(force["early"] + force["outer"] + force["late"], force[None])
+    assert not np.any(force["early"][3 * num_owned :]) and not np.any(force["late"][3 * num_owned :])
+    touching = np.sum(np.any(V.dofmap.list[:num_cells] >= num_owned, axis=1))
+    one = work[None] / num_cells
+    assert one > 0.0 and work["outer"] == touching * one
+    late = (num_cells - touching) // 2 if touching else 0
+    assert work["late"] == late * one and work["early"] == (num_cells - touching - late) * one
+
+
 def check_few_cells():
     """Fewer cells than a batch holds, on some ranks none at all."""
     for cell in ("quadrilateral", "hexahedron"):
