@@ -67,7 +67,15 @@ void bind_systems(nb::module_& m)
              Mask pinned, double diagonal)
           { new (self) CondensedSystem(K, matrices(extra), symmetric, condensation, bytes(pinned), diagonal); },
           nb::arg("K"), nb::arg("extra"), nb::arg("symmetric"), nb::arg("condensation").none(), nb::arg("pinned"),
-          nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>());
+          nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>())
+      .def(
+          "columns",
+          [](const CondensedSystem& self, Indices unknowns)
+          {
+            const std::vector<PetscInt> local(unknowns.data(), unknowns.data() + unknowns.size());
+            return self.columns(local);
+          },
+          nb::rv_policy::take_ownership, nb::arg("unknowns"), "Columns of the matrix. Collective");
   nb::class_<PerturbedSystem, CondensedSystem>(m, "PerturbedSystem",
                                                "Symmetric, and unsymmetric matrices that preconditioners leave out")
       .def(

@@ -30,6 +30,19 @@ Range points_of_facet(const Segments& segments, std::size_t first)
   return {first, last};
 }
 
+/// Present position of a point of a facet [L].
+std::array<double, 3> position(const Facets& facets, std::size_t f, const double* xi)
+{
+  double phi[N];
+  facets.geometry.values(xi, phi);
+  const double* x = facets.x_of(f);
+  std::array<double, 3> out{};
+  for (int i = 0; i < facets.geometry.num_nodes(); ++i)
+    for (int c = 0; c < facets.gdim; ++c)
+      out[c] += phi[i] * x[i * facets.gdim + c];
+  return out;
+}
+
 /// d_i = integral of phi_i, M_ij = integral of phi_i phi_j.
 void integrate(const FacetElement& element, const Segments& segments, Range points, double* d, double M[N][N])
 {
@@ -194,7 +207,6 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
       for (; q < last && segments.master[q] == m; ++q)
       {
         es.values(&segments.xi_slave[2 * q], phi);
-        const FacetPoint ps = surface::evaluate(slave, s, slave.x_of(s), &segments.xi_slave[2 * q]);
         double* psi = &out.psi[q * n];
         for (int i = 0; i < n; ++i)
         {
@@ -205,7 +217,8 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
         }
         if (m < 0)
           continue;
-        const FacetPoint pm = surface::evaluate(master, m, master.x_of(m), &segments.xi_master[2 * q]);
+        const std::array<double, 3> here = position(slave, s, &segments.xi_slave[2 * q]);
+        const std::array<double, 3> there = position(master, m, &segments.xi_master[2 * q]);
         double phi_m[N];
         em.values(&segments.xi_master[2 * q], phi_m);
         for (int i = 0; i < n; ++i)
@@ -213,7 +226,7 @@ Mortar mortar(const Facets& slave, const Facets& master, const Segments& segment
           for (int l = 0; l < em.num_nodes(); ++l)
             Me[i][l] += psi[i] * phi_m[l];
           for (int c = 0; c < gdim; ++c)
-            out.gamma[(s * n + i) * gdim + c] += psi[i] * (ps.x[c] - pm.x[c]);
+            out.gamma[(s * n + i) * gdim + c] += psi[i] * (here[c] - there[c]);
         }
       }
       for (int i = 0; i < n && m >= 0; ++i)

@@ -135,48 +135,88 @@ Polygon intersect(const Polygon& clip, const Polygon& subject)
   return in;
 }
 
-/// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets). They may lie a
-/// little outside where an edge is curved: polygons are those of the corners, so that neighbours leave no slit between
-/// them.
-bool invert(const Facets& facets, std::size_t f, const Plane& plane, const Point& y, double* xi, FacetPoint& point)
+/// A facet projected on a plane: its nodes carry over, so that places and derivatives are sums over a plane's vectors.
+class ProjectedFacet
 {
-  const auto centre = facets.geometry.centre();
-  xi[0] = centre[0];
-  xi[1] = centre[1];
-  const int dim = facets.gdim - 1;
-  double step = 1.0, before = 2.0;
-  // Steps that become no smaller are round-off of the places over the size of the facet.
-  for (int iteration = 0; iteration < 30 && !(step < 1e-14) && !(step < 1e-9 && step > 0.5 * before); ++iteration)
+public:
+  ProjectedFacet(const Facets& facets, std::size_t f, const Plane& plane)
+      : _element(facets.geometry), _dim(facets.gdim - 1), _num_nodes(_element.num_nodes())
   {
-    before = step;
-    point = surface::evaluate(facets, f, facets.x_of(f), xi);
-    const Point at = plane.project(point.x);
-    double J[2][2], r[2] = {y[0] - at[0], y[1] - at[1]};
-    for (int a = 0; a < dim; ++a)
-      for (int b = 0; b < dim; ++b)
-      {
-        J[a][b] = 0.0;
-        for (int c = 0; c < facets.gdim; ++c)
-          J[a][b] += plane.axes[a][c] * point.tangents[b][c];
-      }
-    double d[2] = {0.0, 0.0};
-    if (dim == 1)
-      d[0] = r[0] / J[0][0];
-    else
-    {
-      const double det = J[0][0] * J[1][1] - J[0][1] * J[1][0];
-      d[0] = (r[0] * J[1][1] - r[1] * J[0][1]) / det;
-      d[1] = (r[1] * J[0][0] - r[0] * J[1][0]) / det;
-    }
-    xi[0] += d[0];
-    xi[1] += d[1];
-    step = std::abs(d[0]) + std::abs(d[1]);
-    if (!(step < 10.0)) // far outside, or not a number
-      return false;
+    for (int i = 0; i < _num_nodes; ++i)
+      _nodes[i] = plane.project(facets.x_of(f) + i * facets.gdim);
   }
-  point = surface::evaluate(facets, f, facets.x_of(f), xi);
-  return step < 1e-9 && facets.geometry.inside(xi, 1.0);
-}
+
+  /// Reference coordinates whose point projects on y, by Newton's method (one step on affine facets). They may lie a
+  /// little outside where an edge is curved: polygons are those of the corners, so that neighbours leave no slit
+  /// between them.
+  bool invert(const Point& y, double* xi) const
+  {
+    const auto centre = _element.centre();
+    xi[0] = centre[0];
+    xi[1] = centre[1];
+    double step = 1.0, before = 2.0;
+    // Steps that become no smaller are round-off of the places over the size of the facet.
+    for (int iteration = 0; iteration < 30 && !(step < 1e-14) && !(step < 1e-9 && step > 0.5 * before); ++iteration)
+    {
+      before = step;
+      Point at;
+      double J[2][2];
+      evaluate(xi, at, J);
+      const double r[2] = {y[0] - at[0], y[1] - at[1]};
+      double d[2] = {0.0, 0.0};
+      if (_dim == 1)
+        d[0] = r[0] / J[0][0];
+      else
+      {
+        const double det = J[0][0] * J[1][1] - J[0][1] * J[1][0];
+        d[0] = (r[0] * J[1][1] - r[1] * J[0][1]) / det;
+        d[1] = (r[1] * J[0][0] - r[0] * J[1][0]) / det;
+      }
+      xi[0] += d[0];
+      xi[1] += d[1];
+      step = std::abs(d[0]) + std::abs(d[1]);
+      if (!(step < 10.0)) // far outside, or not a number
+        return false;
+    }
+    return step < 1e-9 && _element.inside(xi, 1.0);
+  }
+
+private:
+  /// Place of reference coordinates, and its derivatives J[a][b] of component a by coordinate b.
+  void evaluate(const double* xi, Point& at, double J[2][2]) const
+  {
+    if (_num_nodes == 4)
+    {
+      // Bilinear facets are frequent enough for a polynomial without tables of shape functions.
+      for (int a = 0; a < 2; ++a)
+      {
+        const double along = _nodes[1][a] - _nodes[0][a], across = _nodes[2][a] - _nodes[0][a];
+        const double twist = _nodes[3][a] - _nodes[2][a] - along;
+        J[a][0] = along + twist * xi[1];
+        J[a][1] = across + twist * xi[0];
+        at[a] = _nodes[0][a] + J[a][0] * xi[0] + across * xi[1];
+      }
+      return;
+    }
+    double phi[FacetElement::max_nodes], dphi[2 * FacetElement::max_nodes];
+    _element.values(xi, phi);
+    _element.derivatives(xi, dphi);
+    at = {0.0, 0.0};
+    for (int a = 0; a < _dim; ++a)
+      J[a][0] = J[a][1] = 0.0;
+    for (int i = 0; i < _num_nodes; ++i)
+      for (int a = 0; a < _dim; ++a)
+      {
+        at[a] += phi[i] * _nodes[i][a];
+        for (int b = 0; b < _dim; ++b)
+          J[a][b] += dphi[b * _num_nodes + i] * _nodes[i][a];
+      }
+  }
+
+  FacetElement _element;
+  int _dim, _num_nodes;
+  std::array<Point, FacetElement::max_nodes> _nodes{};
+};
 
 /// Area projected on the plane per reference area: the facet's own times the cosine between the normals.
 double projected(const FacetPoint& p, const Plane& plane)
@@ -197,12 +237,14 @@ double reference_weight(const Facets& facets, std::size_t f, const double* xi, b
 class Collector
 {
 public:
-  Collector(const Facets& slave, const Facets& master, const SegmentRule& rule, bool axisymmetric, Segments& out)
-      : _slave(slave), _master(master), _rule(rule), _axisymmetric(axisymmetric), _out(out)
+  Collector(const Facets& slave, const SegmentRule& rule, bool axisymmetric, Segments& out)
+      : _slave(slave), _rule(rule), _axisymmetric(axisymmetric), _out(out)
   {
   }
 
-  void add(std::size_t s, std::size_t m, const Plane& plane, const Point& a, const Point& b, const Point& c)
+  /// @param[in] mine, theirs the slave facet s and the master facet m on the plane
+  void add(std::size_t s, std::size_t m, const Plane& plane, const ProjectedFacet& mine, const ProjectedFacet& theirs,
+           const Point& a, const Point& b, const Point& c)
   {
     const int dim = _slave.gdim - 1;
     const double scale =
@@ -212,10 +254,10 @@ public:
       const double u = _rule.points[q * dim], v = dim == 1 ? 0.0 : _rule.points[q * dim + 1];
       const Point y{a[0] + u * (b[0] - a[0]) + v * (c[0] - a[0]), a[1] + u * (b[1] - a[1]) + v * (c[1] - a[1])};
       double xs[2], xm[2];
-      FacetPoint ps, pm;
-      if (!invert(_slave, s, plane, y, xs, ps) || !invert(_master, m, plane, y, xm, pm))
+      if (!mine.invert(y, xs) || !theirs.invert(y, xm))
         continue;
-      const double weight = _rule.weights[q] * scale / projected(ps, plane);
+      const FacetPoint point = surface::evaluate(_slave, s, _slave.x_of(s), xs);
+      const double weight = _rule.weights[q] * scale / projected(point, plane);
       _out.slave.push_back(std::int32_t(s));
       _out.master.push_back(std::int32_t(m));
       _out.xi_slave.insert(_out.xi_slave.end(), xs, xs + 2);
@@ -227,7 +269,7 @@ public:
   }
 
 private:
-  const Facets &_slave, &_master;
+  const Facets& _slave;
   const SegmentRule& _rule;
   bool _axisymmetric;
   Segments& _out;
@@ -247,13 +289,14 @@ Segments segment(const Facets& slave, const Facets& master, std::span<const std:
 {
   Segments out;
   out.covered.assign(slave.size(), 0.0);
-  Collector collector(slave, master, rule, axisymmetric, out);
+  Collector collector(slave, rule, axisymmetric, out);
   const auto centre = slave.geometry.centre();
   for (std::size_t s = 0; s < slave.size(); ++s)
   {
     const FacetPoint at = surface::evaluate(slave, s, slave.x_of(s), centre.data());
     const Plane plane = make_plane(at, slave.gdim);
     const Polygon mine = outline(slave, s, plane);
+    const ProjectedFacet slave_facet(slave, s, plane);
     for (std::int32_t k = offsets[s]; k < offsets[s + 1]; ++k)
     {
       const std::size_t m = pairs[k];
@@ -267,15 +310,17 @@ Segments segment(const Facets& slave, const Facets& master, std::span<const std:
         const double low = std::max(mine.corners[0][0], theirs.corners[0][0]);
         const double high = std::min(mine.corners[1][0], theirs.corners[1][0]);
         if (high - low > 1e-12 * (mine.corners[1][0] - mine.corners[0][0]))
-          collector.add(s, m, plane, {low, 0.0}, {high, 0.0}, {low, 0.0});
+          collector.add(s, m, plane, slave_facet, {master, m, plane}, {low, 0.0}, {high, 0.0}, {low, 0.0});
         continue;
       }
       const Polygon common = intersect(mine, theirs);
       if (common.size < 3 || area(common) < 1e-12 * area(mine))
         continue;
       const Point middle = centroid(common);
+      const ProjectedFacet master_facet(master, m, plane);
       for (int i = 0; i < common.size; ++i)
-        collector.add(s, m, plane, middle, common.corners[i], common.corners[(i + 1) % common.size]);
+        collector.add(s, m, plane, slave_facet, master_facet, middle, common.corners[i],
+                      common.corners[(i + 1) % common.size]);
     }
   }
   return out;

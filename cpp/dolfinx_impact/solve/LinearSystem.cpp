@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "LinearSystem.h"
+#include "../operators/CooMatrix.h"
 #include "../operators/petsc_check.h"
 #include <algorithm>
 
@@ -138,6 +139,47 @@ void CondensedSystem::set_unknowns(std::span<const double> increments, Vec b, Ve
   check(VecRestoreArrayRead(b, &given), "a vector is read");
   Entries out(y);
   std::ranges::copy(found, &out[0]);
+}
+
+Mat CondensedSystem::columns(std::span<const PetscInt> unknowns) const
+{
+  const MPI_Comm comm = PetscObjectComm(PetscObject(K()));
+  PetscInt num = PetscInt(unknowns.size()), end = 0, first = 0;
+  MPI_Scan(&num, &end, 1, MPIU_INT, MPI_SUM, comm);
+  check(MatGetOwnershipRange(K(), &first, nullptr), "a matrix is asked for its rows");
+  operators::CooMatrix::Entries ones;
+  for (PetscInt k = 0; k < num; ++k)
+    ones.add(first + unknowns[k], end - num + k, 1.0);
+  operators::CooMatrix selection;
+  selection.assign(comm, PetscInt(_pinned.size()), num, 1, std::move(ones));
+  const auto product = [](Mat A, Mat B)
+  {
+    Mat out = nullptr;
+    check(MatMatMult(A, B, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &out), "columns of a matrix are found");
+    return out;
+  };
+  Mat moved = _condensation ? product(_condensation->right(), selection.matrix()) : selection.matrix();
+  Mat out = product(K(), moved);
+  for (std::size_t i = 1; i < _stiffness.size(); ++i)
+  {
+    Mat part = product(_stiffness[i], moved);
+    check(MatAXPY(out, 1.0, part, DIFFERENT_NONZERO_PATTERN), "matrices are added");
+    check(MatDestroy(&part), "a matrix is destroyed");
+  }
+  if (_condensation)
+  {
+    Mat forces = out;
+    check(MatTransposeMatMult(_condensation->left(), forces, MAT_INITIAL_MATRIX, PETSC_DEFAULT, &out),
+          "columns of a matrix are condensed");
+    check(MatDestroy(&forces), "a matrix is destroyed");
+    check(MatDestroy(&moved), "a matrix is destroyed");
+  }
+  check(MatProductClear(out), "a product is forgotten"); // it keeps its factors
+  std::vector<PetscInt> rows(_pinned_rows);
+  for (PetscInt& row : rows)
+    row += first;
+  check(MatZeroRows(out, PetscInt(rows.size()), rows.data(), 0.0, nullptr, nullptr), "rows of a matrix are pinned");
+  return out;
 }
 
 Mat CondensedSystem::assemble()

@@ -71,6 +71,10 @@ public:
   std::span<const std::int8_t> pinned() const override { return _pinned; }
   bool symmetric() const override { return _symmetric; }
   enforcement::Condensation* condensation() { return _condensation; }
+  /// Columns of A as a matrix that has a column for each of the unknowns of this rank that are given, the caller's to
+  /// destroy. Rows of pinned unknowns are zero. Collective.
+  /// @param[in] unknowns local numbers of owned unknowns that are not pinned
+  Mat columns(std::span<const PetscInt> unknowns) const;
   /// Nodal forces whose condensed residual is a right-hand side without its pinned entries, owned [F].
   std::vector<double> forces(Vec b) const;
   /// Unknowns that stand for increments of displacement; pinned ones are those of the right-hand side.

@@ -28,6 +28,10 @@ constexpr int plain_iterations = 6;   // without a line search
 constexpr int plain_inelastic = 2;    // those with internal variables and without multipliers
 // Round-off over the largest force at which displacements are those of a body that has flown away.
 constexpr double far = 1e-6;
+// Order of convergence that the accuracy of a linear solution counts on: the second of Newton's method, the first where
+// the tangent of multiplier forces is left to the next iteration (EquilibriumProblem::exact_tangent), so that residuals
+// fall by about the same factor every time.
+constexpr double order_of_newton = 2.0, order_with_iterations = 1.0;
 constexpr double parts[] = {1.0, 0.5, 0.25, 0.125, 0.0625}; // fractions of a step that a line search tries
 constexpr int searches = 8;                                 // evaluations of a line search
 constexpr double steep_end = 0.5;                           // slope at its end relative to that at its start
@@ -344,7 +348,8 @@ Increment Newton::run(std::span<const double> target)
     if (moved && free > 0.0)
     {
       const double enough = _margin * std::max(_options.atol, _options.rtol * std::max(scale, inner)) / free;
-      const double likely = before > 0.0 ? 0.1 * (free / before) * (free / before) : 1e-4;
+      const double order = _multipliers.empty() || p.exact_tangent ? order_of_newton : order_with_iterations;
+      const double likely = before > 0.0 ? 0.1 * std::pow(free / before, order) : 1e-4;
       digits = std::min(digits, std::max(enough, std::min(likely, loose_digits)));
     }
     before = moved ? free : 0.0;

@@ -90,6 +90,8 @@ class CondensedSystem(LinearSystem):
         pinned: NDArray[numpy.bool_],
         diagonal: float,
     ) -> None: ...
+    def columns(self, unknowns: NDArray[numpy.integer[Any]]) -> petsc4py.PETSc.Mat:
+        """Columns of the matrix. Collective"""
 
 class EquilibriumProblem:
     """Bodies and contacts in equilibrium"""

@@ -6,14 +6,15 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 import dolfinx_impact as di
+from dolfinx_impact import _cpp
 
 COMM = MPI.COMM_WORLD
 MULTIGRID = {"ksp_type": "cg", "pc_type": "gamg"}
 FIRST, SECOND = 0.05, 0.03  # depths; the lower side of the block is 0.1 higher at its corners than in its middle
 
 
-def pressed(comm, options, friction=0.0):
-    """A block with a round lower side that is moved onto a plane, then back a part of the way: reports and force."""
+def block(comm, options, friction=0.0):
+    """A block with a round lower side above a plane: the problem, and the displacement of its upper side."""
     domain = mesh.create_unit_cube(comm, 6, 6, 4, mesh.CellType.hexahedron)
     x = domain.geometry.x
     x[:, 2] += 0.2 * (1 - x[:, 2]) * ((x[:, 0] - 0.5) ** 2 + (x[:, 1] - 0.5) ** 2)
@@ -28,6 +29,12 @@ def pressed(comm, options, friction=0.0):
     pair = di.ContactPair(tags, 1, di.RigidPlane((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)), friction=friction)
     law = di.LinearElastic(1000.0, 0.3)
     problem = di.StaticProblem(fem.Function(V), law, bcs=bcs, contact=[di.Lagrange(pair)], options=options)
+    return problem, down
+
+
+def pressed(comm, options, friction=0.0):
+    """The block is moved onto the plane, then back a part of the way: reports and force."""
+    problem, down = block(comm, options, friction)
     found = []
     for depth in (FIRST, SECOND):
         down.value[2] = -depth
@@ -49,3 +56,28 @@ def check_prediction_is_that_of_one_rank():
         assert first[0][-1] > second[0][-1] > 0  # fewer nodes in the end
         assert sum(changes[0]) < 0.5 * first[0][-1]  # most were predicted
         assert set_ups == (1 if options else 2)  # a hierarchy serves other active sets
+
+
+def check_columns_of_a_condensed_system():
+    problem, down = block(COMM, None, friction=0.02)  # nodes slip
+    down.value[2] = -FIRST
+    problem.solve(progress=False)
+    contact, num = problem.contact[0], problem.num_owned
+    K, first = problem.tangent.assemble(), 3 * problem.space.dofmap.index_map.local_range[0]
+    condensation = _cpp.multipliers.Condensation(COMM, num, first, 3, [contact.constraints()])
+    pinned = problem.fixed[:num].astype(bool) | condensation.pinned
+    system = _cpp.solve.CondensedSystem(K, [K], True, condensation, pinned, 1.0)
+    dofs = np.arange(num)
+    chosen = dofs[~pinned & np.isin(dofs // 3, contact.nodes)].astype(np.int32)
+    columns = system.columns(chosen)
+    assert columns.getSize()[1] == COMM.allreduce(len(chosen)) > 10 and not system.symmetric
+    weights, product = columns.createVecs()
+    x, y = system.create_vector(), system.create_vector()
+    weights.array[:] = 1.0 + np.arange(len(chosen))
+    x.set(0.0)
+    x.array[chosen] = weights.array
+    columns.mult(weights, product)
+    system.mult(x, y)
+    assert y.norm() > 0.0
+    # Sums of the same few products in another order.
+    np.testing.assert_allclose(product.array, y.array, rtol=0, atol=1e-12 * y.norm())

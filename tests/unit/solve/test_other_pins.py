@@ -50,5 +50,9 @@ def test_iterations_with_a_hierarchy_of_other_pins(closes):
     own = iterations(first)
     other = iterations(second)
     assert solver.num_set_ups == 1
-    # Each row of the size of LARGE would be an eigenvalue far from the others, and take an iteration at least.
-    assert other < own + 0.75 * len(nodes)
+    if closes:
+        # Each row of the size of LARGE would be an eigenvalue far from the others, and take an iteration at least.
+        assert other < own + 0.75 * len(nodes)
+    else:
+        # Freed unknowns are relaxed with what they do to their neighbours: 26 iterations after 23, without that 35.
+        assert other <= own + 6
