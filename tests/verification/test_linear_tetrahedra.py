@@ -72,7 +72,8 @@ def deflection(n, nu, integration, degree=1):
 @pytest.mark.parametrize("nu", [0.3, 0.499])
 def test_bending(nu):
     """Six cubes through the thickness: 2 % are out of reach of cells of constant strain, which miss what changes
-    within them. The same error for any nu says that nothing locks."""
+    within them, unless their deviators are averaged, too (docs/averaged_pressure.md). The same error for any nu says
+    that nothing locks."""
     exact, n = deflection((24, 3, 3), nu, FULL, 2), (60, 6, 6)
     error = {how: deflection(n, nu, how) / exact - 1 for how in (FULL, AVERAGED)}
     print(error)
