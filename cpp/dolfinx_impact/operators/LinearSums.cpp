@@ -34,28 +34,28 @@ LinearSums::LinearSums(std::span<const Batches> integrals, const std::string& fi
   for (const Batches& batches : integrals)
   {
     const int components = batches.nodes_of(field).block_size;
-    if (_components != 0 and components != _components)
+    if (_components != 0 && components != _components)
       throw std::invalid_argument("kernels differ in the number of components of " + field);
     _components = components;
   }
-  if (_components != 2 and _components != 3 and !integrals.empty())
+  if (_components != 2 && _components != 3 && !integrals.empty())
     throw std::invalid_argument("sums that are linear in " + field + " are for fields with two or three components");
   set_pattern(integrals, field);
   _entries.assign(_columns.size() * _components, 0.0);
   for (const Batches& batches : integrals)
-    batches.each_matrix(field,
-                        [this](std::span<const std::int32_t> rows, std::span<const std::int32_t> columns,
-                               std::span<const double> A)
-                        {
-                          for (std::size_t i = 0; i < rows.size(); ++i)
-                            for (std::size_t j = 0; j < columns.size(); ++j)
-                            {
-                              double* to = _entries.data() + _components * entry(rows[i], columns[j]);
-                              const double* from = A.data() + _components * (i * columns.size() + j);
-                              for (int c = 0; c < _components; ++c)
-                                to[c] += from[c];
-                            }
-                        });
+    batches.each_matrix(
+        field,
+        [this](std::span<const std::int32_t> rows, std::span<const std::int32_t> columns, std::span<const double> A)
+        {
+          for (std::size_t i = 0; i < rows.size(); ++i)
+            for (std::size_t j = 0; j < columns.size(); ++j)
+            {
+              double* to = _entries.data() + _components * entry(rows[i], columns[j]);
+              const double* from = A.data() + _components * (i * columns.size() + j);
+              for (int c = 0; c < _components; ++c)
+                to[c] += from[c];
+            }
+        });
 }
 
 /// Columns of each row: first those of every cell, then each of them once.

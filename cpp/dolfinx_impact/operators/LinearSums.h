@@ -16,7 +16,8 @@ namespace dolfinx_impact::operators
 class LinearSums
 {
 public:
-  /// @param[in] integrals kernels of rank 1 with one value for each node, without internal variables, linear in the field
+  /// @param[in] integrals kernels of rank 1 with one value for each node, without internal variables, linear in the
+  ///   field
   /// @param[in] field name that the kernels have for it; other coefficients are taken as zero
   /// @throws std::invalid_argument if a kernel has no coefficient of that name or internal variables, or kernels differ
   ///   in the number of its components

@@ -8,8 +8,7 @@
 namespace dolfinx_impact::operators
 {
 NodalAverage::NodalAverage(std::shared_ptr<InternalForce> measure, const InternalForce& volume,
-                           std::shared_ptr<Function> average, std::string displacement,
-                           bool linear)
+                           std::shared_ptr<Function> average, std::string displacement, bool linear)
     : _measure(std::move(measure)), _average(std::move(average)), _displacement(std::move(displacement)),
       _linear(linear), _halo(_average->function_space()->dofmap()->index_map)
 {
