@@ -108,7 +108,11 @@ class LinearElastic(materials.LinearElastic):
         return self.mu * ufl.inner(eps, eps) + self.lmbda / 2 * over_vertices(lambda m: m**2, self.mean)
 
     def stress(self, u: Any) -> Any:
-        return self.lmbda * self.mean * ufl.Identity(3) + 2 * self.mu * self.strain(u)
+        # Over the cell's Jacobian, by whose reciprocal strains of the cell are multiplied and means are not: kernels
+        # then divide while they compute the sum, and multiply by the quotient last.
+        volume = ufl.JacobianDeterminant(ufl.domain.extract_unique_domain(u))
+        share = self.lmbda / (2 * self.mu)
+        return 2 * self.mu / volume * (volume * self.strain(u) + share * self.mean * volume * ufl.Identity(3))
 
     def stress_derivative(self, u: Any, du: Any) -> Any:
         """As if each cell had the means of its own: an upper bound, by Jensen's inequality."""

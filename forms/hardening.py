@@ -64,12 +64,11 @@ class VoceHardening:
 
     def slope(self, alpha: Any) -> Any:
         """Derivative of `stress`."""
-        return self.modulus + self.rate * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
+        return self.modulus + self.fading_slope(alpha)
 
-    def curvatures(self, alpha: Any) -> tuple[Any, Any]:
-        """Second and third derivative of `stress`."""
-        third = self.rate**3 * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
-        return -third / self.rate, third
+    def fading_slope(self, alpha: Any) -> Any:
+        """The part of `slope` that fades with alpha: each further derivative is -rate times the one before."""
+        return self.rate * (self.saturation - self.yield_stress) * ufl.exp(-self.rate * alpha)
 
 
 @dataclass(frozen=True)
@@ -151,24 +150,23 @@ def first_increment(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> 
         hardening: LinearHardening, VoceHardening or TableHardening.
         alpha: equivalent plastic strain at the beginning of the step [1].
     """
-    x, second, third, small = _series(excess, stiffness, hardening, alpha)
-    return x if small is None else x * ufl.conditional(small, 1 - x * (second - x * (2 * second**2 - third)), 1)
-
-
-def _series(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> tuple[Any, Any, Any, Any]:
-    """First term x of the series, the second and third over x^2 and x^3, and whether these terms are small beside the
-    first: None of hardening that is no Voce's, of which the first is taken."""
-    slope = stiffness + hardening.slope(alpha)
-    x = excess / slope
     if not isinstance(hardening, VoceHardening):
-        return x, None, None, None
-    second, third = hardening.curvatures(alpha)
-    second, third = second / (2 * slope), third / (6 * slope)
-    small = ufl.And(ufl.lt(abs(second * x), SMALL_TERM), ufl.lt(abs(third * x**2), SMALL_TERM))
-    return x, second, third, small
+        return excess / (stiffness + hardening.slope(alpha))
+    x, r, a, small = _series(excess, stiffness, hardening, alpha)
+    return x * ufl.conditional(small, 1 + a * r * (1 / 2 + r * (a / 2 - 1 / 6)), 1)
 
 
-def first_increment_error(excess: Any, stiffness: Any, hardening: Any, alpha: Any) -> Any:
+def _series(excess: Any, stiffness: Any, hardening: VoceHardening, alpha: Any) -> tuple[Any, Any, Any, Any]:
+    """First term x of the series, r = rate x, the share a of Voce's exponential in the slope, of which all further
+    terms are products, and whether these are small beside the first."""
+    fading = hardening.fading_slope(alpha)
+    slope = stiffness + hardening.modulus + fading
+    x = excess / slope
+    r, a = hardening.rate * x, fading / slope
+    return x, r, a, ufl.lt(abs(a * r) * (1 + abs(r)), 2 * SMALL_TERM)
+
+
+def first_increment_error(excess: Any, stiffness: Any, hardening: VoceHardening, alpha: Any) -> Any:
     """Twice the fourth term of the series of `first_increment`, which bounds the rest where it is as small as
     round-off; 1 where terms are not small, as an increment of a plastic strain [1].
 
@@ -178,8 +176,7 @@ def first_increment_error(excess: Any, stiffness: Any, hardening: Any, alpha: An
         hardening: VoceHardening.
         alpha: likewise.
     """
-    x, second, third, small = _series(excess, stiffness, hardening, alpha)
-    a, b = second * x, third * x**2
-    # a, b and c are the second to fourth derivatives' shares: x (1 - a + 2 a^2 - b - 5 a^3 + 5 a b - c + ...).
-    c = hardening.rate / 4 * b * x
-    return ufl.conditional(small, 2 * x * (5 * abs(a) * (a**2 + abs(b)) + abs(c)), 1)
+    x, r, a, small = _series(excess, stiffness, hardening, alpha)
+    # x a r^3 (1/24 - 5/12 a + 5/8 a^2), of which all parts count as if they had one sign.
+    size = abs(a)
+    return ufl.conditional(small, x * abs(a * r) * r**2 * (1 / 12 + size * (5 / 6 + 5 / 4 * size)), 1)

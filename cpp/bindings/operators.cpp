@@ -211,10 +211,10 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       .def(
           "__init__",
           [](NodalAverage* self, std::shared_ptr<InternalForce> measure, const InternalForce& volume,
-             std::shared_ptr<Function> average, std::string displacement)
-          { new (self) NodalAverage(std::move(measure), volume, std::move(average), std::move(displacement)); },
-          nb::arg("measure"), nb::arg("volume"), nb::arg("average"), nb::arg("displacement"),
-          "displacement: its name in the kernels of measure. Collective")
+             std::shared_ptr<Function> average, std::string displacement, bool linear)
+          { new (self) NodalAverage(std::move(measure), volume, std::move(average), std::move(displacement), linear); },
+          nb::arg("measure"), nb::arg("volume"), nb::arg("average"), nb::arg("displacement"), nb::arg("linear"),
+          "displacement: its name in the kernels of measure. linear: is the measure linear in it? Collective")
       .def("update", &NodalAverage::update, "At the present displacement. Collective");
   bind_tangent(m);
   m.def(

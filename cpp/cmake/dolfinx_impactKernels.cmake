@@ -5,11 +5,14 @@
 # Fused multiply-add is allowed (one rounding instead of two); anything that breaks IEEE rules is not.
 set(IMPACT_KERNEL_FLAGS -O3 -ffp-contract=fast -fno-math-errno -Wno-unused-but-set-variable -Wno-psabi)
 # Kernels with internal variables have more numbers at a time than the processor has registers: GCC saves and loads fewer
-# when it orders instructions before it assigns registers, and does not keep what is as cheap to compute again. Of finite
-# J2 hexahedra with no point yielding: 226 -> 196 ns. Kernels compiled at run time have the same flags (assembly/jit.py).
+# when it orders instructions before it assigns registers, does not keep what is as cheap to compute again, looks at what
+# loops need when it assigns registers, and does not put expressions together again before it orders them. Of finite J2
+# hexahedra with no point yielding: 226 -> 180 ns. Kernels compiled at run time have the same flags (assembly/jit.py).
 set(IMPACT_LAW_FLAGS)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-  set(IMPACT_LAW_FLAGS -fschedule-insns -fsched-pressure -fno-tree-pre -fno-gcse -fno-tree-loop-im)
+  set(IMPACT_LAW_FLAGS
+    -fschedule-insns -fsched-pressure -fno-tree-pre -fno-gcse -fno-tree-loop-im -fira-loop-pressure
+    -fno-tree-ter)
 endif()
 set(IMPACT_KERNEL_WIDTHS 1 4 8)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
@@ -26,15 +29,24 @@ function(impact_kernel_objects name width)
   set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
 endfunction()
 
-# impact_add_kernels(TARGET SOURCE): the kernels of a source that `dolfinx-impact compile FILE.py -o FOLDER` wrote are
-# from now on a part of TARGET, in all widths. The folder of the source, where the header is, is searched for includes.
+# impact_add_kernels(TARGET SOURCE [INTERNAL_VARIABLES]): the kernels of a source that
+# `dolfinx-impact compile FILE.py -o FOLDER` wrote are from now on a part of TARGET, in all widths. The folder of the
+# source, where the header is, is searched for includes. INTERNAL_VARIABLES: they are of a law that has some, for which
+# other flags of the compiler are faster.
 function(impact_add_kernels target source)
+  cmake_parse_arguments(PARSE_ARGV 2 given "INTERNAL_VARIABLES" "" "")
+  if(given_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "impact_add_kernels: ${given_UNPARSED_ARGUMENTS} cannot be used")
+  endif()
   cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} NORMALIZE)
   cmake_path(GET source STEM stem)
   cmake_path(GET source PARENT_PATH folder)
   foreach(width ${IMPACT_KERNEL_WIDTHS})
     set(objects ${target}_${stem}_kernels_${width})
     impact_kernel_objects(${objects} ${width} ${source})
+    if(given_INTERNAL_VARIABLES)
+      target_compile_options(${objects} PRIVATE ${IMPACT_LAW_FLAGS})
+    endif()
     target_include_directories(${objects} PRIVATE
       $<TARGET_PROPERTY:dolfinx_impact::dolfinx_impact,INTERFACE_INCLUDE_DIRECTORIES>)
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${objects}>)
@@ -43,10 +55,11 @@ function(impact_add_kernels target source)
 endfunction()
 
 # impact_compile_law(TARGET FILE.py [LAW NAME] [CELLS CELL...] [DEGREE P...] [GEOMETRY_DEGREE P...] [HYPOTHESIS H...]
-#   [KERNELS KIND...]): the kernels of a UFL file become a part of TARGET, which includes "FILE.h". They are written by
-# `dolfinx-impact compile`, whose options these are, whenever the file changes; Python is needed for that alone.
+#   [KERNELS KIND...] [INTERNAL_VARIABLES]): the kernels of a UFL file become a part of TARGET, which includes "FILE.h".
+# They are written by `dolfinx-impact compile`, whose options these are but for the last, which impact_add_kernels
+# explains, whenever the file changes; Python is needed for that alone.
 function(impact_compile_law target file)
-  cmake_parse_arguments(PARSE_ARGV 2 given "" "LAW" "CELLS;DEGREE;GEOMETRY_DEGREE;HYPOTHESIS;KERNELS")
+  cmake_parse_arguments(PARSE_ARGV 2 given "INTERNAL_VARIABLES" "LAW" "CELLS;DEGREE;GEOMETRY_DEGREE;HYPOTHESIS;KERNELS")
   if(given_UNPARSED_ARGUMENTS OR given_KEYWORDS_MISSING_VALUES)
     set(wrong ${given_UNPARSED_ARGUMENTS} ${given_KEYWORDS_MISSING_VALUES})
     message(FATAL_ERROR "impact_compile_law: ${wrong} cannot be used")
@@ -76,7 +89,11 @@ function(impact_compile_law target file)
     COMMENT "Writing the kernels of ${stem}.py"
     VERBATIM)
   add_custom_target(${target}_${stem}_kernels DEPENDS ${folder}/${stem}.h ${folder}/${stem}.cpp)
-  impact_add_kernels(${target} ${folder}/${stem}.cpp)
+  set(kind)
+  if(given_INTERNAL_VARIABLES)
+    set(kind INTERNAL_VARIABLES)
+  endif()
+  impact_add_kernels(${target} ${folder}/${stem}.cpp ${kind})
   foreach(width ${IMPACT_KERNEL_WIDTHS})
     add_dependencies(${target}_${stem}_kernels_${width} ${target}_${stem}_kernels)
   endforeach()

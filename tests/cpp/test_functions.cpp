@@ -159,6 +159,25 @@ TEST_CASE("functions of vectors are exact to two units in the last place, and in
   IMPACT_COMPARE(sqrt, sqrtl);
 }
 
+TEST_CASE("logarithms of numbers near one, with all lanes there and with one")
+{
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> moderate(-1.2 * math::near_one, 1.2 * math::near_one), exponent(-16.0, 0.0);
+  double worst = 0.0, worst_at = 0.0;
+  for (int i = 0; i < 20000; ++i)
+  {
+    const double f = i % 2 == 0 ? moderate(random) : math::near_one * std::pow(10.0, exponent(random));
+    const double x = i == 0 ? 1.0 : 1.0 + (i % 4 < 2 ? f : -f);
+    const double found = math::log(splat<T>(x))[0], beside = in_lane([](T y) { return math::log(y); }, x, i % lanes);
+    if (const double distance = units(found, logl(static_cast<long double>(x))); !(distance <= worst))
+      worst = distance, worst_at = x;
+    if (std::bit_cast<std::uint64_t>(found) != std::bit_cast<std::uint64_t>(beside))
+      FAIL("a lane depends on its neighbour " << x);
+  }
+  INFO(worst << " units in the last place at 1 + " << worst_at - 1.0);
+  CHECK(worst <= 2.0);
+}
+
 TEST_CASE("powers of vectors are exact to two units in the last place, and in special values")
 {
   for (double p : {-2.3, -5.0 / 7.0, -0.1, 0.37, 0.9, 1.7, 3.0, -3.0, 11.0, 40.5})

@@ -334,9 +334,25 @@ inline T regular_logarithm(T x, double shift)
   return k * ln2_high + (f - (half - (rest + k * ln2_low)));
 }
 
+/// log(x) where |x - 1| is below near_one, to which x - 1 is exact: changes of volume are mostly as small. No division.
+inline constexpr double near_one = 0.0625;
+template <Vector T>
+inline T logarithm_near_one(T x)
+{
+  // 1.2e-17: (f - log(1 + f)) / f^2 of f
+  static constexpr double series[] = {
+      0.5000000000000001,   -0.3333333333333335, 0.2499999999980894,   -0.1999999999982362, 0.16666667057820267,
+      -0.14285714646811098, 0.12499719839022179, -0.11110852480322804, 0.10081825031586886, -0.09166444467686555};
+  const T f = x - 1.0;
+  return f - f * f * polynomial(series, f);
+}
+
 template <Vector T>
 inline T log(T x)
 {
+  const auto near = abs(x - 1.0) < near_one;
+  if (!any_lane(~near)) [[likely]]
+    return logarithm_near_one(x);
   T y = regular_logarithm(x, 0.0);
   if (!all_between(x, largest_subnormal, infinity)) [[unlikely]]
   {
@@ -346,6 +362,8 @@ inline T log(T x)
     const T special = select<T>(x == 0.0, -infinity, of_negative);
     y = select<T>(regular, y, select<T>((x > 0.0) & (x < infinity), subnormal, special));
   }
+  if (any_lane(near)) [[unlikely]]
+    y = select<T>(near, logarithm_near_one(x), y);
   return y;
 }
 

@@ -250,6 +250,9 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
   constexpr int bytes_of_a_line = 64;
   const impact_cells s = cells;
   T x[2][3 * P], w[2][of.num_values()], A[at.size_A];
+  double constants[of.num_constants + 1]{}; // as in `sweep`
+  for (int i = 0; i < of.num_constants; ++i)
+    constants[i] = s.constants[i];
   T* history[at.count];
   for (int k = 0; k < at.count; ++k)
     history[k] = reinterpret_cast<T*>(s.history[k]);
@@ -282,7 +285,7 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
 #pragma GCC unroll 48
     for (int i = 0; i < size; ++i)
       A[i] = T{};
-    kernel(A, w[buffer], s.constants, x[buffer], 0, history);
+    kernel(A, w[buffer], constants, x[buffer], 0, history);
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
       scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);

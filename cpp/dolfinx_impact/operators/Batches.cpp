@@ -388,6 +388,55 @@ bool Batches::has(const std::string& name) const
   return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.name == name; });
 }
 
+Batches::Nodes Batches::nodes_of(const std::string& name) const
+{
+  for (const Array& a : _coefficients)
+    if (a.name == name && a.field < 0)
+      return {a.as_test ? _test.dofs : a.dofs, a.num_nodes, a.block_size};
+  throw std::invalid_argument(std::string("kernel ") + _kernel->name + " has no coefficient '" + name + "' at nodes");
+}
+
+void Batches::each_matrix(const std::string& name, const MatrixOfCell& work) const
+{
+  const Nodes columns = nodes_of(name);
+  if (_kernel->rank != 1 || _history || _sides != 1)
+    throw std::invalid_argument(std::string("kernel ") + _kernel->name +
+                                " has no matrix of a cell: it is of rank 1, over cells, without internal variables");
+  const Array& of = *std::ranges::find(_coefficients, name, &Array::name);
+  const std::size_t W = std::size_t(_width), size_A = std::size_t(_kernel->shape[0]);
+  const std::size_t num_columns = std::size_t(columns.num_nodes) * columns.block_size;
+  double* A = aligned(_buffer.data());
+  double* w = A + whole_lines(std::size_t(_kernel->size_A) * W);
+  double* x = w + whole_lines(std::size_t(_kernel->size_w) * W);
+  std::vector<double> matrices(W * size_A * num_columns);
+  std::vector<std::int32_t> rows_of_cell(_test.num_nodes), columns_of_cell(columns.num_nodes);
+  for (std::size_t batch = 0; batch < _used.size(); ++batch)
+  {
+    const std::vector<std::int32_t>& x_nodes = _x.as_test ? _test.dofs : _x.dofs;
+    _x.gather(_x.values ? _x.values : _mesh->geometry().x().data(), x_nodes.data() + batch * _x.num_nodes * W,
+              _x.num_nodes, x);
+    for (std::size_t k = 0; k < num_columns; ++k)
+    {
+      std::fill_n(w, std::size_t(_kernel->size_w) * W, 0.0);
+      std::fill_n(w + (of.offset + k) * W, W, 1.0);
+      std::fill_n(A, size_A * W, 0.0);
+      _tabulate(A, w, _constants.data(), x, _facet[batch]);
+      for (std::size_t i = 0; i < size_A; ++i)
+        for (std::size_t l = 0; l < W; ++l)
+          matrices[(l * size_A + i) * num_columns + k] = A[i * W + l];
+    }
+    for (int l = 0; l < _used[batch]; ++l)
+    {
+      for (int i = 0; i < _test.num_nodes; ++i)
+        rows_of_cell[i] = _test.dofs[(batch * _test.num_nodes + i) * W + l];
+      for (int j = 0; j < columns.num_nodes; ++j)
+        columns_of_cell[j] = columns.numbers[(batch * columns.num_nodes + j) * W + l];
+      work(rows_of_cell, columns_of_cell, std::span(matrices).subspan(l * size_A * num_columns, size_A * num_columns));
+    }
+  }
+  std::fill_n(A, size_A * W, 0.0);
+}
+
 /// What a kernel has written of a batch beside the element tensor.
 void Batches::store_results(std::size_t batch, const double* A) const
 {

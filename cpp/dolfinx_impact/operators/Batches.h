@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <dolfinx/fem/Function.h>
 #include <dolfinx/fem/FunctionSpace.h>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -112,6 +113,24 @@ public:
   std::span<const std::int32_t> test_nodes() const { return _test.dofs; }
   /// Has the kernel a coefficient of this name?
   bool has(const std::string& name) const;
+
+  /// Node numbers of an array in all batches: numbers[(batch * num_nodes + node) * width + lane].
+  struct Nodes
+  {
+    std::span<const std::int32_t> numbers;
+    int num_nodes;
+    int block_size;
+  };
+  Nodes nodes_of_test() const { return {_test.dofs, _test.num_nodes, _test.block_size}; }
+  /// @throws std::invalid_argument if the kernel has no coefficient of this name at nodes
+  Nodes nodes_of(const std::string& name) const;
+  /// What each cell adds for values of a coefficient in which its kernel is linear, the others being zero: nodes of the
+  /// rows, nodes of the columns, and the matrix, rows first.
+  using MatrixOfCell = std::function<void(std::span<const std::int32_t> rows, std::span<const std::int32_t> columns,
+                                          std::span<const double> A)>;
+  /// @param[in] name of that coefficient, of a kernel of rank 1 without internal variables
+  /// @throws std::invalid_argument for another kernel
+  void each_matrix(const std::string& name, const MatrixOfCell& work) const;
 
 private:
   void add_group(std::span<const std::int32_t> cells, int facet);

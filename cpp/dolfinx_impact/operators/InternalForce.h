@@ -97,6 +97,8 @@ public:
   /// Has any integral internal variables of its own?
   bool has_history() const;
 
+  /// The integrals in batches of cells.
+  std::span<const Batches> batches() const { return _batches; }
   /// Cells per kernel call of integral i.
   int width(std::size_t i = 0) const { return _batches.at(i).width(); }
   std::size_t num_integrals() const { return _batches.size(); }

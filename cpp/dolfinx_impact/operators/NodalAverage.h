@@ -2,7 +2,9 @@
 #pragma once
 #include "Halo.h"
 #include "InternalForce.h"
+#include "LinearSums.h"
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,24 +25,34 @@ public:
   /// @param[in] volume integral of the test function over the same cells; evaluated once
   /// @param[in] average function on their space that receives the averages, owned and ghosts
   /// @param[in] displacement name of the displacement in the kernels of `measure`
+  /// @param[in] linear is the measure linear in the displacement? Where positions and displacement are read from
+  ///   arrays, as in explicit runs, its sums are then a product with a matrix (LinearSums.h).
   /// @throws std::invalid_argument if the three have different spaces
   NodalAverage(std::shared_ptr<InternalForce> measure, const InternalForce& volume, std::shared_ptr<Function> average,
-               std::string displacement);
+               std::string displacement, bool linear = false);
 
   /// Compute the averages at the present displacement. Collective.
   /// @pre the displacement has up-to-date ghost values
   void update();
   /// Read the displacement from an array instead of from its function (Batches::read).
-  void read(const double* displacement, int stride) { _measure->read(_displacement, displacement, stride); }
+  void read(const double* displacement, int stride);
   /// Read the nodes' positions from there (Batches::read_positions).
-  void read_positions(const NodePositions* positions) { _measure->read_positions(positions); }
+  void read_positions(const NodePositions* positions);
   /// Reciprocals of the nodes' volumes, owned and ghosts; zero where a node has no cells [1/L^3].
   std::span<const double> inverse_volumes() const { return _inverse; }
 
 private:
+  void add_up(std::span<double> sums);
+
   std::shared_ptr<InternalForce> _measure;
   std::shared_ptr<Function> _average;
   std::string _displacement;
+  bool _linear;
+  const double* _values = nullptr; ///< of the displacement, where they are read from an array
+  int _stride = 0;                 ///< of that array; 0: the space's block size
+  const NodePositions* _positions = nullptr;
+  std::optional<LinearSums> _sums; ///< at the positions of this version
+  std::uint64_t _version = 0;
   Halo _halo;
   std::vector<double> _inverse;
 };

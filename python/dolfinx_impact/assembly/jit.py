@@ -42,7 +42,15 @@ INCLUDE = Path(__file__).parent.parent / "include"
 TARGET = ["-march=native", "-mtune=generic"]
 FLAGS = ["-std=c++20", "-O3", *TARGET, "-ffp-contract=fast", "-fno-math-errno", "-fPIC", "-shared", "-w"]
 # Of GCC, for kernels with internal variables (cpp/cmake/dolfinx_impactKernels.cmake says why).
-LAW_FLAGS = ["-fschedule-insns", "-fsched-pressure", "-fno-tree-pre", "-fno-gcse", "-fno-tree-loop-im"]
+LAW_FLAGS = [
+    "-fschedule-insns",
+    "-fsched-pressure",
+    "-fno-tree-pre",
+    "-fno-gcse",
+    "-fno-tree-loop-im",
+    "-fira-loop-pressure",
+    "-fno-tree-ter",
+]
 
 SILENT = 5.0  # compilations that are likely to take longer are announced [s]
 

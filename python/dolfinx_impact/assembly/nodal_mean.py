@@ -29,6 +29,7 @@ class NodalMean(Function):
         displacement: as `u`.
         material: as given.
         law: elastic law that reads the means; None for a material with internal variables.
+        is_linear: whether what is averaged is linear in the displacement, as tr(eps).
         measure: form of rank 1 of what is averaged.
         volume: form of rank 1 of the volume that belongs to each node.
         own_average: what computes the means of the displacement function's values (C++), once it is made.
@@ -48,7 +49,8 @@ class NodalMean(Function):
         test = ufl.TestFunction(self.function_space)
         self.law: Any = None
         if isinstance(material, InelasticMaterial):
-            measured = material.kinematics(mesh, degree).dilatation(u)
+            kinematics = material.kinematics(mesh, degree)
+            measured, self.is_linear = kinematics.dilatation(u), not kinematics.finite_strain
         else:
             law = material.elastic_law(mesh)
             if law.name not in averaged_pressure.LAWS:
@@ -57,7 +59,7 @@ class NodalMean(Function):
                     f'plasticity: {law.name} has no volumetric part of its own, use integration="full"'
                 )
             self.law = averaged_pressure.LAWS[law.name](law.E, law.nu, hypothesis, self)
-            measured = self.law.measure(u)
+            measured, self.is_linear = self.law.measure(u), self.law.linear
         self.measure = averaged_pressure.average(measured, test, hypothesis, dx)
         self.volume = averaged_pressure.average(1, test, hypothesis, dx)
 

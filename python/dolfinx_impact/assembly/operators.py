@@ -424,7 +424,7 @@ def nodal_average(mean: NodalMean, width: int = 0) -> _cpp.operators.NodalAverag
     """
     measure, volume = InternalForce(mean.measure, width), InternalForce(mean.volume, width)
     name = next(name for name, f in measure.coefficients.items() if f is mean.displacement)
-    return _cpp.operators.NodalAverage(measure._cpp_object, volume._cpp_object, mean._cpp_object, name)
+    return _cpp.operators.NodalAverage(measure._cpp_object, volume._cpp_object, mean._cpp_object, name, mean.is_linear)
 
 
 def update_means(functions: Iterable[Function]) -> None:

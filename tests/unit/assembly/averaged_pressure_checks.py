@@ -108,6 +108,23 @@ def check_explicit_force_is_that_of_the_operator():
         assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
 
 
+def check_linear_means_are_those_of_kernels():
+    """Means of tr(eps) are a product with a matrix in explicit runs (operators/LinearSums.h); the operator adds up what
+    kernels compute. A limit of round-off, as above."""
+    square = mesh.create_unit_square(COMM, 4, 4, mesh.CellType.triangle)
+    for V in (cube(), fem.functionspace(square, ("Lagrange", 1, (2,)))):
+        u, dim = fem.Function(V, name="u"), V.mesh.geometry.dim
+        u.interpolate(lambda x, n=dim: 0.03 * np.array([np.sin(3 * x[1]) * x[0], x[0] * x[1] - x[0], x[0] ** 2])[:n])
+        steel = di.LinearElastic(1.0, 0.4, 1.0, ("plane_strain", "3d")[dim - 2], integration="averaged_pressure")
+        problem = di.ExplicitProblem(u, steel)
+        problem.advance(1e-3, dt=1e-3, progress=False)
+        force = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(V), steel)).apply().array
+        n = dim * V.dofmap.index_map.size_local
+        found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
+        largest = COMM.allreduce(np.abs(force[:n]).max(), MPI.MAX)
+        assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-4
+
+
 def run(comm, until=0.4, integration="averaged_pressure"):
     """A plastic cube thrown against a plane."""
     V = cube(comm, 2)
