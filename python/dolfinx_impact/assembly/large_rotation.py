@@ -74,7 +74,8 @@ class RotationWarning:
             self._shortest = float(sizes.min(initial=np.inf)) / FLATTEST
         values, gdim = u.x.array, mesh.geometry.dim
         # By component: a reduction over the first axis of short rows takes ten times as long.
-        return len(values) > 0 and max(float(np.ptp(values[c::gdim])) for c in range(gdim)) > 0.5 * LARGE * self._shortest
+        spread = max(float(np.ptp(values[c::gdim])) for c in range(gdim)) if len(values) else 0.0
+        return spread > 0.5 * LARGE * self._shortest
 
     def look(self, u: Function, stacklevel: int) -> None:
         """Look at a displacement. Collective.
