@@ -156,8 +156,11 @@ class NodalAverage:
         volume: InternalForce_float64,
         average: dolfinx.cpp.fem.Function_float64,
         displacement: str,
+        linear: bool,
     ) -> None:
-        """displacement: its name in the kernels of measure. Collective"""
+        """
+        displacement: its name in the kernels of measure. linear: is the measure linear in it? Collective
+        """
 
     def update(self) -> None:
         """At the present displacement. Collective"""
