@@ -34,6 +34,8 @@ from . import (
 )
 from .rows import Job, impossible, measure
 
+LONGEST = 8  # measurements whose time is printed
+
 
 def machine(bandwidth: float, peak: float) -> dict[str, str | int | float | None]:
     """Description of the machine.
@@ -99,16 +101,20 @@ def main(argv: Sequence[str] | None = None) -> int:
     about = machine(bandwidth, peak)
     print(", ".join(f"{k} {v:.1f}" if isinstance(v, float) else f"{k} {v}" for k, v in about.items()))
     begin, roof = time.monotonic(), roofline.Measurement(peak)
-    rows = measure([*jobs(bandwidth, peak, args.large, args.ranks), roof.job()])
+    seconds: dict[str, float] = {}
+    rows = measure([*jobs(bandwidth, peak, args.large, args.ranks), roof.job()], seconds=seconds)
     about["seconds"] = time.monotonic() - begin
     if args.json:
         path = Path(args.json)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, json.dumps({"rows": rows, "machine": about, **roof.record()}, indent=1) + "\n")
+        record = {"rows": rows, "machine": about, "seconds": seconds, **roof.record()}
+        write_whole(path, json.dumps(record, indent=1) + "\n")
     complaints = impossible(rows)
     if args.history and not complaints:
         ratio_history.append(args.history, rows, about, args.commit)
-    print(f"{len(rows)} rows in {about['seconds']:.0f} s")
+    longest = sorted(seconds.items(), key=lambda job: -job[1])[:LONGEST]
+    times = ", ".join(f"{what} {spent:.0f} s" for what, spent in longest)
+    print(f"{len(rows)} rows in {about['seconds']:.0f} s; longest: {times}")
     for complaint in complaints:
         print(f"bench: {complaint}", file=sys.stderr)
     return 1 if complaints else 0

@@ -17,11 +17,14 @@ from dolfinx_impact import materials
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
 from .rows import Job, Row, row
-from .setup import FINITE, Case, Setup, best_time
+from .setup import Case, Setup, best_time
 
 Energy: TypeAlias = Callable[[Any], Any]
 SHEAR, BULK = 385.0, 833.0  # [F/L^2]
 ROUNDS = 5
+# Less than half as many cells as elsewhere: forces of two kernels on one mesh are compared, which are bound by
+# arithmetic. Ratios agree within 4 % with those of 22 and 50 cells along a side.
+CASES: tuple[Case, ...] = (("tetrahedron", 2, 16), ("hexahedron", 1, 36))
 # Round-off of forces whose terms are larger than they, in two orders of the algebra.
 TOLERANCE = 1e-11
 
@@ -116,7 +119,7 @@ LAWS: tuple[Energy, ...] = (
 )  # fmt: skip
 
 
-def law_rows(energies: Sequence[Energy] = LAWS, cases: Sequence[Case] = FINITE, rounds: int = ROUNDS) -> list[Row]:
+def law_rows(energies: Sequence[Energy] = LAWS, cases: Sequence[Case] = CASES, rounds: int = ROUNDS) -> list[Row]:
     """Measure forces that are derivatives of energies against those of the neo-Hookean law of the package.
 
     Args:
@@ -169,6 +172,6 @@ def jobs() -> list[Job]:
     """
     return [
         (f"{energy.__name__}, {case[0]} P{case[1]}", partial(law_rows, (energy,), (case,)))
-        for case in FINITE
+        for case in CASES
         for energy in LAWS
     ]

@@ -2,6 +2,7 @@
 """Rows of the benchmark: their content, a check for impossible values, and the table that grows during a run."""
 
 import math
+import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypedDict
 
@@ -92,12 +93,13 @@ def line(r: Row) -> str:
     return COLUMNS.format(r["name"], r["cell"], str(r["ranks"]), *numbers).rstrip()
 
 
-def measure(jobs: Sequence[Job], console: Console | None = None) -> list[Row]:
+def measure(jobs: Sequence[Job], console: Console | None = None, seconds: dict[str, float] | None = None) -> list[Row]:
     """Run the jobs one after another and print the rows of each when it ends, above a progress bar.
 
     Args:
         jobs: a text and a function that returns rows, for each job.
         console: console to print to; None for standard output.
+        seconds: what each job took by the clock on the wall is added, by its text [s].
 
     Returns:
         All rows.
@@ -114,8 +116,11 @@ def measure(jobs: Sequence[Job], console: Console | None = None) -> list[Row]:
         say(COLUMNS.format("name", "cell", "ranks", "value", "unit", "baseline", "ratio"), style="bold")
         for what, work in jobs:
             progress.update(task, description=what)
+            begin = time.monotonic()
             for r in work():
                 rows.append(r)
                 say(line(r), style="red" if impossible([r]) else None)
+            if seconds is not None:
+                seconds[what] = time.monotonic() - begin
             progress.advance(task)
     return rows
