@@ -37,6 +37,8 @@ void dolfinx_impact::bindings::static_problem(nb::module_& m)
           },
           nb::arg("u"), nb::arg("body"), nb::arg("bcs"), nb::arg("contacts"), nb::arg("petsc"), nb::arg("prefix"),
           nb::arg("axisymmetric"), nb::arg("limits"), nb::arg("warn"), "Collective")
+      .def("share_linear_solver", &StaticProblem::share_linear_solver, nb::arg("other"),
+           "Solve with the linear solver of another problem, and its factors while they serve. Collective")
       .def(
           "add_load", [](StaticProblem& self, Changeable value, Changeable reached)
           { self.add_load({{value.data(), value.size()}, {reached.data(), reached.size()}}); }, nb::arg("value"),

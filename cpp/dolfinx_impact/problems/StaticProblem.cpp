@@ -32,6 +32,21 @@ StaticProblem::StaticProblem(std::shared_ptr<dolfinx::fem::Function<double>> u, 
     _obstacles.push_back(contact->displacement());
 }
 
+void StaticProblem::share_linear_solver(const StaticProblem& other)
+{
+  solve::EquilibriumProblem& mine = *_equilibrium;
+  const solve::EquilibriumProblem& theirs = *other._equilibrium;
+  const auto &here = *mine.space().dofmap(), &there = *theirs.space().dofmap();
+  if (here.index_map != there.index_map || here.index_map_bs() != there.index_map_bs())
+    throw std::invalid_argument("problems that share a linear solver have displacements on one space");
+  if (mine.keeps_multipliers || theirs.keeps_multipliers)
+    throw std::invalid_argument("problems whose multipliers stay in the linear systems have linear solvers of their "
+                                "own");
+  mine.linear_solver = theirs.linear_solver;
+  mine.linear_solver->begin_problem();
+  mine.exact_tangent = theirs.exact_tangent;
+}
+
 void StaticProblem::add_load(std::span<double> forces)
 {
   _reached.push_back(std::make_unique<std::vector<double>>(forces.size(), 0.0));

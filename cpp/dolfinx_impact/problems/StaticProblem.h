@@ -61,6 +61,12 @@ public:
   solve::LoadStepReport solve(const solve::LoadSteps::Solver& solver, const SolveOptions& options = {},
                               const solve::LoadStepEvents& events = {});
 
+  /// Solve with the linear solver of another problem in the place of one's own: its options, and its factors as long as
+  /// they need few iterations. Both may solve afterwards, one at a time. Collective.
+  /// @throws std::invalid_argument if the spaces have other degrees of freedom, or multipliers stay in the linear
+  /// systems of one of them
+  void share_linear_solver(const StaticProblem& other);
+
   /// External forces that are applied in parts, beside those of the body: a view of them, which must stay valid.
   void add_load(std::span<double> forces);
   /// The same, with a view of those that were reached, which are the caller's then.

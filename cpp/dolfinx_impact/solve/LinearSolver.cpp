@@ -50,6 +50,8 @@ constexpr int worth_of_hierarchy = 40;
 // of the plane, 5.5 in space).
 constexpr double blocked = 5.0;
 constexpr int most_work_space = 1000; // beyond what MUMPS foresees [%]
+// Unknowns with another pin than in the factors that are left out of these: fewer ones take an iteration each.
+constexpr int least_left_out = 100;
 
 /// Options of PETSc's database that begin with a prefix, without it. PETSc tells them all in one text.
 Options options_with_prefix(const std::string& prefix)
@@ -288,6 +290,12 @@ void LinearSolver::reset()
   _spent = 0;
 }
 
+void LinearSolver::begin_problem()
+{
+  _updated.reset(); // columns of another problem's nodes
+  _spent = 0;
+}
+
 void LinearSolver::forget_matrix()
 {
   _updated.reset();
@@ -433,18 +441,52 @@ bool LinearSolver::serves(const LinearSystem& system, double rtol)
   // nodes, 33 iterations instead of 21), and making a new one takes as long as 40.
   if (direct())
   {
-    const std::span<const std::int8_t> now = system.pinned();
-    std::int64_t differ = now.size() == _pinned.size() ? 0 : left;
-    for (std::size_t i = 0; i < now.size() && now.size() == _pinned.size(); ++i)
-      differ += bool(now[i]) != bool(_pinned[i]);
-    MPI_Allreduce(MPI_IN_PLACE, &differ, 1, MPI_INT64_T, MPI_SUM, _comm);
-    if (uses_updated(system))
-      differ = _updated->num_missing();
-    if (differ >= left)
+    int other_size = system.pinned().size() != _pinned.size();
+    MPI_Allreduce(MPI_IN_PLACE, &other_size, 1, MPI_INT, MPI_MAX, _comm);
+    if (other_size)
+      return false;
+    _num_other_pins = num_other_pins(system, false);
+    const std::int64_t differ = uses_updated(system) ? _updated->num_missing() : _num_other_pins;
+    if (differ >= left && (uses_updated(system) || num_other_pins(system, true) >= left))
       return false;
   }
   check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT, left), "tolerances are set");
   return true;
+}
+
+/// Unknowns of all ranks that are pinned either in the system that the preconditioner was made of or in another one of
+/// the same size, not in both. Collective.
+/// @param[in] coupled only those that are free now, or whose equations have free unknowns: a body that is pinned as a
+/// whole takes no iterations
+std::int64_t LinearSolver::num_other_pins(const LinearSystem& system, bool coupled) const
+{
+  const std::span<const std::int8_t> now = system.pinned();
+  std::vector<double> reached(now.size(), 1.0);
+  PetscInt rows = 0;
+  check(MatGetLocalSize(system.K(), &rows, nullptr), "a matrix is asked for its size");
+  int without_rows = std::size_t(rows) != now.size(); // of multipliers
+  MPI_Allreduce(MPI_IN_PLACE, &without_rows, 1, MPI_INT, MPI_MAX, _comm);
+  if (coupled && !without_rows)
+  {
+    Vec free = nullptr, product = nullptr;
+    check(MatCreateVecs(system.K(), &free, &product), "vectors are made");
+    {
+      // Numbers that do not cancel in a row, as those of a rigid motion would.
+      constexpr double golden = 0.6180339887498949;
+      operators::Entries values(free);
+      for (std::size_t i = 0; i < now.size(); ++i)
+        values[i] = now[i] ? 0.0 : 0.5 + std::fmod(golden * double(i), 1.0);
+    }
+    check(MatMult(system.K(), free, product), "a matrix is multiplied");
+    reached = operators::values_of(product);
+    for (Vec* v : {&free, &product})
+      check(VecDestroy(v), "a vector is destroyed");
+  }
+  std::int64_t out = 0;
+  for (std::size_t i = 0; i < now.size(); ++i)
+    out += bool(now[i]) != bool(_pinned[i]) && (!now[i] || reached[i] != 0.0);
+  MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT64_T, MPI_SUM, _comm);
+  return out;
 }
 
 /// How long the preconditioner that has just solved its own system may serve others.
@@ -565,6 +607,14 @@ bool LinearSolver::uses_updated(const LinearSystem& system) const
   return _updated && _own != system.id() && _updated->serves(system);
 }
 
+/// Are the unknowns left out of an earlier preconditioner that are pinned in one of the two systems alone? Of factors
+/// only where they are many, as those of a body: a few take an iteration each, and motions of bodies that hang on them
+/// are better in the factors.
+bool LinearSolver::leaves_out_pins(const LinearSystem& system) const
+{
+  return !direct() || (_num_other_pins >= least_left_out && system.pinned().size() == _pinned.size());
+}
+
 /// Products with a system, preconditioned by the present matrix. Collective.
 void LinearSolver::set_operators(LinearSystem& system)
 {
@@ -591,13 +641,7 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
   check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
   check(PetscObjectReference(PetscObject(pc)), "a preconditioner is kept");
   std::optional<OtherPins> others;
-  const auto* const condensed = dynamic_cast<const CondensedSystem*>(&system);
-  if (!direct() && _own != system.id() && condensed)
-  {
-    others.emplace(pc, *condensed, _pinned);
-    check(KSPSetPC(_ksp, others->pc()), "a preconditioner is chosen");
-  }
-  else if (uses_updated(system))
+  if (uses_updated(system))
   {
     if (!_shell)
     {
@@ -607,6 +651,12 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
       check(PCShellSetApply(_shell, &LinearSolver::apply_updated), "a preconditioner is made");
     }
     check(KSPSetPC(_ksp, _shell), "a preconditioner is chosen");
+  }
+  else if (const auto* const condensed = dynamic_cast<const CondensedSystem*>(&system);
+           condensed && _own != system.id() && leaves_out_pins(system))
+  {
+    others.emplace(pc, *condensed, _pinned);
+    check(KSPSetPC(_ksp, others->pc()), "a preconditioner is chosen");
   }
   set_operators(system);
   check(KSPSolve(_ksp, b, x), "a linear system is solved");

@@ -71,6 +71,9 @@ public:
   void set_updated(std::unique_ptr<UpdatedFactors> updated) { _updated = std::move(updated); }
   /// Those factors; null if there are none.
   UpdatedFactors* updated() { return _updated.get(); }
+  /// Keep the preconditioner, and forget what it has served for: from here on solutions depend on nothing else that
+  /// came before. For another problem of the same bodies.
+  void begin_problem();
   /// Forget the preconditioner and give back its memory: the next solution does not depend on earlier systems.
   /// Collective.
   void reset();
@@ -100,8 +103,10 @@ private:
   void forget_matrix();
   void choose_method(const char* method);
   bool uses_updated(const LinearSystem& system) const;
+  bool leaves_out_pins(const LinearSystem& system) const;
   bool solved(LinearSystem& system, Vec b, Vec x, double rtol) const;
   bool serves(const LinearSystem& system, double rtol);
+  std::int64_t num_other_pins(const LinearSystem& system, bool coupled) const;
   void judge(double rtol);
   int worth_of_factors() const;
   void prepare(LinearSystem& system);
@@ -126,6 +131,7 @@ private:
   PC _shell = nullptr;              ///< applies them
   std::uint64_t _own = 0;           ///< number of the system that it was made of
   std::vector<std::int8_t> _pinned; ///< of that system
+  std::int64_t _num_other_pins = 0; ///< unknowns of all ranks pinned either there or in the present system, not in both
   std::vector<std::string> _set;    ///< options in PETSc's database
   std::vector<std::string> _asked;  ///< keys of those that were asked for
   bool _given_rtol = false, _may_factorise = false, _pins = false, _keeps = true;

@@ -628,6 +628,11 @@ class StaticProblem:
     ) -> None:
         """Collective"""
 
+    def share_linear_solver(self, other: StaticProblem) -> None:
+        """
+        Solve with the linear solver of another problem, and its factors while they serve. Collective
+        """
+
     def add_load(self, value: NDArray[numpy.float64], reached: NDArray[numpy.float64]) -> None:
         """
         A load that is applied in parts: views of its value and of that which was reached

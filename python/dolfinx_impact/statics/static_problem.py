@@ -87,7 +87,6 @@ class StaticProblem(BodyResults):
         contact: contacts with their results (points, gap, pressure, force, ...), in the order given.
         fixed: mask of prescribed degrees of freedom, owned and ghosts.
         body: residual of the bodies and its tangent.
-        linear_solver: solver of the linear systems.
         recorders: recorders that write during a solve.
         num_owned: number of degrees of freedom that this rank owns [1].
         residual_form: as `residual`.
@@ -186,8 +185,12 @@ class StaticProblem(BodyResults):
                 if not all(bound.fixed[3:]):
                     self._cpp_object.add_load(bound.torque, bound.reached_torque)
                 self._cpp_object.add_rigid_body(bound.contacts, bound.fixed, bound.force, bound.torque)
-        self.linear_solver: LinearSolver = LinearSolver.of(self.equilibrium.linear_solver)
         self._restart = StaticRestart(self)
+
+    @property
+    def linear_solver(self) -> LinearSolver:
+        """Solver of the linear systems."""
+        return LinearSolver.of(self.equilibrium.linear_solver)
 
     @property
     def tangent(self) -> BodyTangent:
@@ -301,6 +304,26 @@ class StaticProblem(BodyResults):
         r.x.array[: self.num_owned] = self._cpp_object.reactions()
         r.x.scatter_forward()
         return r
+
+    def share_linear_solver(self, other: StaticProblem) -> None:
+        """Solve with the linear solver of another problem in the place of one's own: with its options, and with its
+        factors or multigrid hierarchy as long as they need few iterations. For states of the same bodies one after the
+        other: loaded, with other supports, lifted off. Collective.
+
+        Both problems can solve afterwards, one at a time. `linear_solver.reset()` gives the memory of the factors back.
+
+        Args:
+            other: problem with a displacement on the same space.
+
+        Raises:
+            TypeError: `other` is no StaticProblem; on all ranks.
+            ValueError: the spaces are not the same, or multipliers stay in the linear systems of one of them (another
+                basis than "dual", ties beside contact at one node); on all ranks.
+        """
+        with guard(self.space.mesh.comm, "StaticProblem.share_linear_solver"):
+            if not isinstance(other, StaticProblem):
+                raise TypeError(f"other is {other!r:.80}: give a StaticProblem")
+            self._cpp_object.share_linear_solver(other._cpp_object)
 
     # --- load steps ------------------------------------------------------------------------------------------------
 

@@ -142,8 +142,8 @@ class JointModel:
         return out
 
     def parked(self) -> list[fem.DirichletBC]:
-        """The bore is held: a wheel that is lifted off."""
-        dofs = fem.locate_dofs_topological(self.V, 2, self.facet_tags.find(self.tags["hub"]))
+        """The wheel is held as a whole: lifted off, it has neither load nor displacement."""
+        dofs = np.unique(self.V.dofmap.list[self.wheel.cells])
         return [fem.dirichletbc(np.zeros(3, dtype=default_scalar_type), dofs, self.V)]
 
     def _ties(self) -> list[Tie]:

@@ -256,3 +256,20 @@ def check_prediction_of_a_long_run():
         assert steps == pytest.approx(10 * (run.step - step), rel=0.1)
         assert 0.1 < rate / measured < 10.0, "the machine may be busy with one of the two"
         assert "GB more for equilibria" in text
+
+
+def check_a_lifted_wheel_needs_no_factors_of_its_own():
+    """Those of the springs serve. Displacements are as with its own to the tolerance of equilibria."""
+    found = []
+    for shared in (True, False):
+        passage = Passage(JointModel(TINY, COMM), progress=False)
+        passage.start(passage.preload())
+        if not shared:
+            passage._springs = passage._factors_from = None
+        loaded = COMM.allreduce(np.abs(passage.u.x.array).max(), MPI.MAX)
+        passage.unload()
+        assert (passage._factors_from is not None) == shared, "it has made no factors"
+        assert passage.residual.linear_solver.num_set_ups == 1
+        found.append(passage.u.x.array.copy())
+    # Elastic rails go back to where they were: to the tolerance of equilibria, 3e-5 of the forces.
+    assert COMM.allreduce(np.abs(found[0] - found[1]).max(), MPI.MAX) < 1e-3 * loaded

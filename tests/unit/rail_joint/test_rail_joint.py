@@ -11,6 +11,7 @@ test_one_rank, test_several_ranks = rank_tests(
     in_make_test={
         "the_wheel_is_balanced": (2,),
         "parts_meshed_apart": (1,),
+        "a_lifted_wheel_needs_no_factors_of_its_own": (1,),
         "killed_run_goes_on": (1,),
         "run_killed_in_every_stage_goes_on": (),
         "a_run_in_a_folder_is_alone": (1, 2),

@@ -115,7 +115,7 @@ def test_factors_are_kept_while_they_serve(monkeypatch):
     kept = pressed(MPI.COMM_SELF, 3, di.Lagrange, rtol=RTOL)
     monkeypatch.setattr(linear_solver.LIMITS, "keep_preconditioner", False)
     fresh = pressed(MPI.COMM_SELF, 3, di.Lagrange, rtol=RTOL)
-    assert solvers[0].num_set_ups < solvers[1].num_set_ups
+    assert solvers[0].num_set_ups < solvers[-1].num_set_ups  # problems are asked for theirs more than once
     assert_same(kept, fresh)
 
 
