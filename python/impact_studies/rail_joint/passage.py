@@ -205,6 +205,8 @@ class Passage:
 
     def _springs_contact(self) -> Penalty:
         """Springs in the place of the preload's multipliers."""
+        if self._penalty is None:
+            raise RuntimeError("springs take their stiffness from the first start: there was none")
         return Penalty(self.model.pair(0.0), penalty=self._penalty)
 
     def _static(self, contact: Lagrange | Penalty, u: fem.Function | None = None) -> StaticProblem:
