@@ -494,7 +494,8 @@ class Inputs(Described):
 
 
 class SplitForce(Described):
-    """Vector of a linear form in two parts, for the explicit integrator: cells without ghost nodes, and the others.
+    """Vector of a linear form in three parts, for the explicit integrator: cells with ghost nodes, and two halves of the
+    others, as `part` of InternalForce.
 
     Args:
         form: UFL form of rank 1, as for InternalForce.
@@ -504,7 +505,7 @@ class SplitForce(Described):
         mixed: whether the element vectors are computed in float.
 
     Attributes:
-        history: internal variables of both parts, `PointHistory`; empty without a law.
+        history: internal variables of all parts, `PointHistory`; empty without a law.
     """
 
     def __init__(

@@ -17,7 +17,7 @@ from ..creep.model import CreepModel, WheelOnRail
 from .rows import Job, Row, row
 
 CELLS = 4  # in each half-axis
-LARGE = 9
+LARGE = 6
 POINTS = np.linspace(0.0, 3e-3, 13)
 POINT = 1e-3
 FEW = 4  # points of a curve where time is short

@@ -43,12 +43,13 @@ def test_yield_stress_and_its_slope(hardening, law, alpha):
     assert value(hardening.slope(alpha)) == pytest.approx(difference, rel=1e-5, abs=1e-8)
 
 
-def test_curvatures_of_voce():
+def test_each_derivative_of_voces_slope_is_minus_the_rate_times_the_one_before():
     h = 1e-4
-    second, third = (value(c) for c in VOCE.curvatures(0.2))
     slopes = [value(VOCE.slope(0.2 + k * h)) for k in (-1, 0, 1)]
-    assert second == pytest.approx((slopes[2] - slopes[0]) / (2 * h), rel=1e-6)
-    assert third == pytest.approx((slopes[2] - 2 * slopes[1] + slopes[0]) / h**2, rel=1e-5)
+    fading = value(VOCE.fading_slope(0.2))
+    assert slopes[1] == pytest.approx(VOCE.modulus + fading, rel=1e-15)
+    assert -VOCE.rate * fading == pytest.approx((slopes[2] - slopes[0]) / (2 * h), rel=1e-6)
+    assert VOCE.rate**2 * fading == pytest.approx((slopes[2] - 2 * slopes[1] + slopes[0]) / h**2, rel=1e-5)
 
 
 def test_which_laws_have_a_closed_form():
