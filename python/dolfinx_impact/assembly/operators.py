@@ -494,8 +494,8 @@ class Inputs(Described):
 
 
 class SplitForce(Described):
-    """Vector of a linear form in three parts, for the explicit integrator: cells with ghost nodes, and two halves of the
-    others, as `part` of InternalForce.
+    """Vector of a linear form in three parts, for the explicit integrator: cells with ghost nodes, and two halves of
+    the others, as `part` of InternalForce.
 
     Args:
         form: UFL form of rank 1, as for InternalForce.
