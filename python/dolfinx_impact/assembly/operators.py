@@ -72,6 +72,9 @@ def entities_of(mesh: cpp.mesh.Mesh_float64, integral_type: str, subdomain: int,
     return compat.facet_entities(topology, facets)
 
 
+PARTS = (None, "early", "outer", "late")  # of the cells of a form
+
+
 def _choose(V: FunctionSpace, entities: IntArray, integral_type: str, part: str) -> IntArray:
     """Entities whose cells have ghost nodes ("outer"), the first half of the others ("early"), or their rest ("late").
 
@@ -218,6 +221,8 @@ class _Operator:
             found = len(form.arguments())
             if found != rank:
                 raise ValueError(f"{name} takes a form of rank {rank}, this one has {found} arguments")
+            if part not in PARTS:
+                raise ValueError(f"part is {part!r}: {name} takes 'early', 'outer', 'late' or None")
             arguments.double_precision("the mesh of the form", self.mesh.geometry.x)
             inner = frontend.history_of(law)
             for f in frontend.objects_of(form, law)[0]:
@@ -345,7 +350,7 @@ class InternalForce(_Operator):
 
     Raises:
         TypeError: `form` is not a UFL form, or not of double precision.
-        ValueError: a form of another rank, two functions of one name, or a subdomain without tags.
+        ValueError: a form of another rank, two functions of one name, a subdomain without tags, or another part.
         RuntimeError: kernels cannot be compiled (see jit.compile_form), or do not fit the elements.
     """
 

@@ -52,6 +52,13 @@ def test_other_meshes_are_refused(found):
     kernel.check_mesh(mesh.create_unit_square(COMM, 1, 1)._cpp_object)
 
 
+def test_other_parts_of_the_cells_are_refused():
+    V = fem.functionspace(hexahedra(), ("Lagrange", 1, (3,)))
+    form = di.operators.internal_force_form(fem.Function(V), ufl.TestFunction(V), di.LinearElastic(1.0, 0.3))
+    with pytest.raises(ValueError, match="part is 'inner': InternalForce takes 'early', 'outer', 'late' or None"):
+        di.operators.InternalForce(form, part="inner")
+
+
 def apply_table_kernel(domain, test_element, u_element, width=1):
     """The table's P1 triangle kernel forced onto a mesh and spaces, as a C++ user might."""
     (kernel,) = _cpp.kernels.find("linear_elastic.force", "triangle", 1, 1, "plane_strain")
