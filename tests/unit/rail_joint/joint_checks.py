@@ -261,8 +261,9 @@ def check_prediction_of_a_long_run():
 def check_a_lifted_wheel_needs_no_factors_of_its_own():
     """Those of the springs serve. Displacements are as with its own to the tolerance of equilibria."""
     found = []
+    model = JointModel(TINY, COMM)
     for shared in (True, False):
-        passage = Passage(JointModel(TINY, COMM), progress=False)
+        passage = Passage(model, progress=False)
         passage.start(passage.preload())
         if not shared:
             passage._springs = passage._factors_from = None
