@@ -42,7 +42,8 @@ struct Square
   {
     const impact_kernel* kernel =
         kernels::find({.name = "linear_elastic.force", .cell = "quadrilateral", .hypothesis = "plane_strain"}).at(0);
-    return std::make_shared<InternalForce>(mesh, V, std::vector<operators::Integral>{{kernel, std::move(cells), {young, 0.0}}},
+    std::vector<operators::Integral> integrals{{kernel, std::move(cells), {young, 0.0}}};
+    return std::make_shared<InternalForce>(mesh, V, integrals,
                                            std::map<std::string, std::shared_ptr<const operators::Function>>{{"u", u}});
   }
   FormForces forms() const { return {operation(0), operation(1), on_cells({}), "u", ""}; }

@@ -187,9 +187,8 @@ class Passage:
         self._unloaded: FloatArray | None = None  # displacements after the passage before, without a wheel [m]
         self._pressed: FloatArray | None = None  # what the last preload added to the displacements [m]
         self._springs: StaticProblem | None = None  # its factors serve the equilibria that follow
-        self._factors_from: FloatArray | None = (
-            None  # displacements from which it was solved; None: no factors serve [m]
-        )
+        # Displacements from which it was solved; None: no factors serve [m].
+        self._factors_from: FloatArray | None = None
         self._sunk: FloatArray | None = None  # what springs in the place of its multipliers added to them [m]
 
     @property

@@ -148,6 +148,7 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
       };
       _moment_corrections[q].set<D>(_num_masters, at, point.phi, x, _arms.data() + q * _num_masters * D);
     }
+    // As relative_to_master, from what the tracker has of the master's nodes: the projection has just read it.
     double* motion = _motion.data() + q * D;
     for (int c = 0; c < D; ++c)
       motion[c] = du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_motion.increment[c] : 0.0);
