@@ -57,7 +57,7 @@ def generate(folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--list", action="store_true", help="print the file names and stop")
-    parser.add_argument("--list-vectors", action="store_true", help="the same of kernels that have several lanes")
+    parser.add_argument("--list-vectors", action="store_true", help="the same of kernels that have eight lanes")
     parser.add_argument("--list-laws", action="store_true", help="those of kernels with internal variables")
     parser.add_argument("--list-floats", action="store_true", help="those of kernels in single precision")
     parser.add_argument("--output", help="folder for the sources")
@@ -68,7 +68,7 @@ def main():
         laws = [(row, row.build().law) for row in TABLE]
         print(";".join(f"{row.symbol}.cpp" for row, law in laws if law is not None and law.history), end="")
     elif args.list or args.list_vectors:
-        # Kernels of matrices are called for one cell at a time: with several lanes their files are empty.
+        # Kernels of matrices are called for one or four cells at a time: with eight lanes their files are empty.
         rows = [row for row in TABLE if args.list or len(row.build().form.arguments()) < 2]
         print(";".join(f"{row.symbol}.cpp" for row in rows), end="")
     elif args.output:

@@ -115,6 +115,10 @@ INLINE = Linkage("inline void", "inline const", False)
 
 GUARDS = {1: "", 4: " && defined(__AVX2__)", 8: " && defined(__AVX512F__)"}
 
+# Entries of the largest matrix that is computed for four cells at a time. Four of hexahedra of degree 2 take 210 KB,
+# which a processor's second cache holds: larger ones gain nothing that their compilation would be worth.
+LARGEST_MATRIX = 81 * 81
+
 
 def flops(node, times=1):
     """Additions, multiplications, divisions and function calls of an LNodes tree, loops counted out."""
@@ -170,8 +174,8 @@ def signature(form_signature):
 def compile_seconds(integral, text):
     """About how long a compiler takes for the kernel of an integral, measured with GCC on a processor of 2023 [s].
 
-    Tables take no time. Kernels of vectors are compiled for three widths, and loops over the points of a direction are
-    unrolled twice, over points and nodes.
+    Tables take no time. Kernels of vectors are compiled for three widths, those of matrices for up to two, and loops
+    over the points of a direction are unrolled twice, over points and nodes.
 
     Args:
         integral: Integral.
@@ -183,7 +187,7 @@ def compile_seconds(integral, text):
         code += 0 if table else len(line)
         table = table and not line.rstrip().endswith(";")
     if integral.rank > 1:
-        return 1.2e-5 * code
+        return 1.2e-5 * code * len(widths(integral))
     points = max((len(rule.points) for rule, _ in integrands(integral.ir)), default=1)
     tensor = integral.coordinate_element.cell_type.name in ("quadrilateral", "hexahedron")
     direction = points ** (1 / (len(basix.topology(integral.coordinate_element.cell_type)) - 1)) if tensor else 1.0
@@ -228,10 +232,8 @@ def definitions(integrals, prefix, linkage=OBJECT):
         inline = "__attribute__((always_inline)) inline" if integral.has_sweep and not integral.history else "inline"
         template = IN_PLACE if integral.is_in_place else TEMPLATE
         out.append(template.format(title=title, symbol=symbol + "_kernel", body=body, inline=inline))
-        for lanes, guard in GUARDS.items():
-            if lanes > 1 and integral.rank > 1:
-                continue  # matrices are assembled one cell at a time, by DOLFINx
-            how = {"function": linkage.function, "symbol": symbol + "_kernel", "lanes": lanes, "guard": guard}
+        for lanes in widths(integral):
+            how = {"function": linkage.function, "symbol": symbol + "_kernel", "lanes": lanes, "guard": GUARDS[lanes]}
             out.append(INSTANCE.format(**how))
         for lanes in _swept(integral):
             arrays = _nodal_arrays(integral.swept_arrays, tree)
@@ -270,6 +272,14 @@ def _point_arrays(integral):
     report = integral.report_offset if integral.num_unknowns else -1
     numbers = (integral.size_A, len(integral.law.sums), integral.sum_offset, report)
     return f"{{{', '.join(map(str, sizes))}}}, {', '.join(map(str, numbers))}"
+
+
+def widths(integral):
+    """Numbers of cells that the kernel of an integral is compiled for."""
+    if integral.rank < 2:
+        return list(GUARDS)
+    small = integral.integral_type == "cell" and np.prod(integral.shape) <= LARGEST_MATRIX
+    return [1, 4] if small else [1]
 
 
 def _swept(integral):
@@ -359,7 +369,7 @@ def _descriptor(integral, symbol, count, group, linkage):
     for lanes, guard in GUARDS.items():
         every = f"(IMPACT_LANES == 0{guard})" if lanes > 1 else "IMPACT_LANES == 0"
         condition = f"IMPACT_LANES == 1 || {every}"
-        if lanes > 1 and i.rank > 1:
+        if lanes not in widths(i):
             condition = "0"
         lines.append(f"#if {condition}\n#define {symbol}_at_{lanes} &{symbol}_kernel_{lanes}\n#else")
         lines.append(f"#define {symbol}_at_{lanes} nullptr\n#endif")

@@ -103,6 +103,33 @@ TEST_CASE("the ends of the spectra of several matrices at a time")
   }
 }
 
+TEST_CASE("symmetric parts of scaled matrices, and norms of both parts")
+{
+  // S = I + factor * (a skew-symmetric matrix with ones above the diagonal), scaled by 1, 2, 3, ...
+  const int n = 3, num = operators::SymmetricMatrices::num;
+  operators::AlignedVector S(std::size_t(n) * n * num), d(std::size_t(n) * num);
+  for (int which = 0; which < num; ++which)
+    for (int i = 0; i < n; ++i)
+    {
+      d[std::size_t(i) * num + which] = i + 1.0;
+      for (int j = 0; j < n; ++j)
+        S[std::size_t(n * i + j) * num + which] = i == j ? 1.0 : which * (i < j ? 1.0 : -1.0);
+    }
+  operators::SymmetricMatrices A(n);
+  const auto norms = A.set_scaled(S.data(), d.data());
+  for (int which = 0; which < num; ++which)
+  {
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j <= i; ++j)
+        CHECK(A(which, i, j) == (i == j ? (i + 1.0) * (i + 1.0) : 0.0));
+    CHECK(norms[which].symmetric == Approx(std::sqrt(1.0 + 16.0 + 81.0)).epsilon(1e-15));
+    CHECK(norms[which].skew == Approx(which * std::sqrt(2.0 * (4.0 + 9.0 + 36.0))).epsilon(1e-15));
+  }
+  const auto ends = A.extreme_eigenvalues();
+  CHECK(ends[1][0] == Approx(1.0).epsilon(1e-14));
+  CHECK(ends[1][1] == Approx(9.0).epsilon(1e-14));
+}
+
 TEST_CASE("ends of a spectrum that many eigenvalues share")
 {
   // I + 4 v v^T with a unit vector v: one but for one eigenvalue of five.

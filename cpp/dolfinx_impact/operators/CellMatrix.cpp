@@ -9,8 +9,8 @@
 namespace dolfinx_impact::operators
 {
 CellMatrix::CellMatrix(const impact_kernel& kernel, std::optional<int> direction)
-    : _width(kernel.rank == 1 ? kernels::width(kernel) : 1), _tabulate(kernels::tabulate(kernel, _width)),
-      _num_rows(kernel.shape[0]), _num_columns(kernel.shape[1]), _size_w(kernel.size_w), _size_A(kernel.size_A)
+    : _width(kernels::width(kernel)), _tabulate(kernels::tabulate(kernel, _width)), _num_rows(kernel.shape[0]),
+      _num_columns(kernel.shape[1]), _size_w(kernel.size_w), _size_A(kernel.size_A)
 {
   if (kernel.rank == 2)
     return;

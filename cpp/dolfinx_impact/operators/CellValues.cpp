@@ -9,16 +9,18 @@
 
 namespace dolfinx_impact::operators
 {
-CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, const Coefficients& coefficients)
-    : CellValues(kernel, V, sources(kernel, coefficients, nullptr), nullptr)
+CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, const Coefficients& coefficients,
+                       int num_cells)
+    : CellValues(kernel, V, sources(kernel, coefficients, nullptr), nullptr, num_cells)
 {
 }
 
 CellValues::CellValues(const impact_kernel& kernel, const FunctionSpace& V, std::vector<Source> sources,
-                       std::shared_ptr<const PointHistory> history)
+                       std::shared_ptr<const PointHistory> history, int num_cells)
     : _kernel(kernel), _space(V), _sources(std::move(sources)), _fields(_sources.size()), _history(std::move(history)),
-      _w(kernel.size_w), _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) *
-                                common::geometry_dofmap(*V.mesh()).extent(1))
+      _num_cells(num_cells), _w(std::size_t(kernel.size_w) * num_cells),
+      _nodes((std::string(kernel.integral_type) == "interior_facet" ? 6 : 3) *
+             common::geometry_dofmap(*V.mesh()).extent(1) * num_cells)
 {
   kernels::check_mesh(kernel, *V.mesh());
   kernels::check_without_outputs(kernel);
@@ -79,13 +81,21 @@ void CellValues::check(int coefficient) const
                                 ": use the same quadrature rule in both forms");
 }
 
-void CellValues::gather(std::int32_t cell, int side)
+void CellValues::gather(std::span<const std::int32_t> cells)
 {
+  for (int lane = 0; lane < _num_cells; ++lane)
+    gather(cells[std::min(std::size_t(lane), cells.size() - 1)], 0, lane);
+}
+
+void CellValues::gather(std::int32_t cell, int side, int lane)
+{
+  const std::size_t stride = _num_cells;
   const auto x_dofmap = common::geometry_dofmap(*_space.mesh());
   const auto x = _space.mesh()->geometry().x();
-  double* nodes = _nodes.data() + 3 * side * x_dofmap.extent(1);
+  double* nodes = _nodes.data() + 3 * side * x_dofmap.extent(1) * stride + lane;
   for (std::size_t i = 0; i < x_dofmap.extent(1); ++i)
-    std::copy_n(x.data() + 3 * std::size_t(x_dofmap(cell, i)), 3, nodes + 3 * i);
+    for (std::size_t d = 0; d < 3; ++d)
+      nodes[(3 * i + d) * stride] = x[3 * std::size_t(x_dofmap(cell, i)) + d];
   for (std::size_t c = 0; c < _sources.size(); ++c)
   {
     if (!_sources[c].field.empty())
@@ -93,17 +103,22 @@ void CellValues::gather(std::int32_t cell, int side)
       if (_places[cell] < 0)
         throw std::invalid_argument(std::string("kernel ") + _kernel.name + ": cell " + std::to_string(cell) +
                                     " of this rank has no history");
-      _history->copy_cell(_fields[c], std::size_t(_places[cell]), _w.data() + _kernel.coefficients[c].offset);
+      _history_values.resize(_kernel.coefficients[c].element.num_dofs);
+      _history->copy_cell(_fields[c], std::size_t(_places[cell]), _history_values.data());
+      double* w = _w.data() + _kernel.coefficients[c].offset * stride + lane;
+      for (std::size_t i = 0; i < _history_values.size(); ++i)
+        w[i * stride] = _history_values[i];
     }
     if (!_sources[c].function)
       continue;
     const auto& map = *_sources[c].function->function_space()->dofmap();
     const auto dofs = map.cell_dofs(cell);
     const std::span<const double> values = _sources[c].function->x()->array();
-    double* w = _w.data() + _kernel.coefficients[c].offset + side * dofs.size() * map.bs();
+    const std::size_t bs = map.bs();
+    double* w = _w.data() + (_kernel.coefficients[c].offset + side * dofs.size() * bs) * stride + lane;
     for (std::size_t i = 0; i < dofs.size(); ++i)
-      for (int b = 0; b < map.bs(); ++b)
-        w[i * map.bs() + b] = values[std::size_t(dofs[i]) * map.bs() + b];
+      for (std::size_t b = 0; b < bs; ++b)
+        w[(i * bs + b) * stride] = values[std::size_t(dofs[i]) * bs + b];
   }
 }
 } // namespace dolfinx_impact::operators

@@ -58,8 +58,8 @@ std::vector<std::int8_t> constrained_dofs(const FunctionSpace& V, const KernelTa
 
 KernelTangent::Part::Part(const Named& named, const std::array<std::shared_ptr<const FunctionSpace>, 2>& V)
     : kernel(named.integral.kernel), matrix(*kernel, direction(named)),
-      values(*kernel, *V[0], named.sources, named.integral.history), entities(named.integral.entities),
-      facets(std::string(kernel->integral_type) == "exterior_facet")
+      values(*kernel, *V[0], named.sources, named.integral.history, matrix.num_cells()),
+      entities(named.integral.entities), facets(std::string(kernel->integral_type) == "exterior_facet")
 {
   if (std::string(kernel->integral_type) == "interior_facet")
     throw std::invalid_argument(std::string("kernel ") + kernel->name +
@@ -111,7 +111,9 @@ KernelTangent::KernelTangent(const std::array<std::shared_ptr<const FunctionSpac
   for (const Part& part : _parts)
   {
     common::insert_cells(pattern, part.cells(), *V[0]->dofmap(), *V[1]->dofmap());
-    _A.resize(std::max(_A.size(), std::size_t(part.matrix.num_rows()) * part.matrix.num_columns()));
+    const std::size_t size = std::size_t(part.matrix.num_rows()) * part.matrix.num_columns();
+    _A.resize(std::max(_A.size(), size));
+    _matrices.resize(std::max(_matrices.size(), size * part.matrix.num_cells()));
   }
   pattern.finalize();
   _matrix = dolfinx::la::petsc::create_matrix(V[0]->mesh()->comm(), pattern);
@@ -122,19 +124,34 @@ KernelTangent::~KernelTangent()
   MatDestroy(&_matrix);
 }
 
+/// Matrices of some entities, from entity `first` on.
+void KernelTangent::compute(Part& part, std::size_t first, std::size_t count)
+{
+  const std::size_t size = std::size_t(part.matrix.num_rows()) * part.matrix.num_columns();
+  std::fill_n(_matrices.begin(), size * part.matrix.num_cells(), 0.0);
+  if (part.facets)
+    part.values.gather(part.entities[2 * first]);
+  else
+    part.values.gather(std::span(part.entities).subspan(first, count));
+  part.matrix.add(_matrices.data(), part.values.w(), part.constants, part.values.nodes(),
+                  part.facets ? part.entities[2 * first + 1] : 0);
+}
+
 void KernelTangent::add(Part& part, const std::array<std::vector<std::int8_t>, 2>& constrained)
 {
   auto insert = dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES);
   const auto &rows = *_V[0]->dofmap(), &columns = *_V[1]->dofmap();
   const int num_rows = part.matrix.num_rows(), num_columns = part.matrix.num_columns(), stride = part.facets ? 2 : 1;
   const std::span<double> A(_A.data(), std::size_t(num_rows) * num_columns);
-  for (std::size_t e = 0; e < part.entities.size(); e += stride)
+  const std::size_t count = part.entities.size() / stride, together = part.matrix.num_cells();
+  for (std::size_t e = 0; e < count; ++e)
   {
-    const std::int32_t cell = part.entities[e];
-    part.values.gather(cell);
-    std::ranges::fill(A, 0.0);
-    part.matrix.add(A.data(), part.values.w(), part.constants, part.values.nodes(),
-                    part.facets ? part.entities[e + 1] : 0);
+    const std::size_t lane = e % together;
+    if (lane == 0)
+      compute(part, e, std::min(together, count - e));
+    for (std::size_t k = 0; k < A.size(); ++k)
+      A[k] = _matrices[k * together + lane];
+    const std::int32_t cell = part.entities[e * stride];
     const auto dofs = rows.cell_dofs(cell), trial_dofs = columns.cell_dofs(cell);
     if (!constrained[0].empty())
       for (int i = 0; i < num_rows; ++i)

@@ -81,13 +81,15 @@ private:
   };
 
   void add(Part& part, const std::array<std::vector<std::int8_t>, 2>& constrained);
+  void compute(Part& part, std::size_t first, std::size_t count);
   void add(AverageTerm& term, const BoundaryConditions& bcs, bool new_entries);
 
   std::array<std::shared_ptr<const FunctionSpace>, 2> _V;
   std::vector<Part> _parts;
   std::shared_ptr<const dolfinx::fem::Form<double>> _other;
   std::vector<AverageTerm> _averages;
-  std::vector<double> _A; ///< matrix of a cell
+  AlignedVector _matrices; ///< of some cells
+  std::vector<double> _A;  ///< matrix of a cell
   Mat _matrix = nullptr;
 };
 } // namespace dolfinx_impact::operators

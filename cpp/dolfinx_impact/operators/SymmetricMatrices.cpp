@@ -96,7 +96,13 @@ IMPACT_INLINED void make_tridiagonal(int n, Each* __restrict a, Each* __restrict
   d[n - 1] = row(n - 1)[n - 1];
 }
 
-/// Bisection from Gershgorin's discs: pivots of T - x are all positive below the spectrum, all negative above it.
+/// A factor of a minor is round-off of entries of one at least, or the point is an eigenvalue to round-off: so many of
+/// them neither overflow nor vanish.
+constexpr int steps_between_scalings = 4;
+
+/// Bisection from Gershgorin's discs: leading minors of T - x are all positive below the spectrum, those of x - T above
+/// it. They follow from each other without a quotient, on whose result the next one would wait; they are scaled now and
+/// then. What comes after one that is not positive does not count.
 /// @param[in] d, e diagonal and absolute values beside it
 /// @param[in,out] e squared
 /// @param[out] low, high ends of the spectrum
@@ -118,23 +124,26 @@ IMPACT_INLINED void bisect(int n, const Each* d, Each* e, Each& low, Each& high)
   }
   for (int i = 0; i + 1 < n; ++i)
     e[i] *= e[i];
-  // Entries are one at most: the spectrum is known to some units of their round-off. A pivot that vanishes counts as
-  // the smallest number whose inverse can be multiplied with them.
-  const Each tiny = Each{} + 1e-290;
+  // Entries are one at most: the spectrum is known to some units of their round-off.
   const double tolerance = 2.0 * std::numeric_limits<double>::epsilon();
+  const Each one = Each{} + 1.0;
   for (int step = 0; step < 60; ++step)
   {
     const Each left = 0.5 * (outer_low + inner_low), right = 0.5 * (inner_high + outer_high);
-    Each p = d[0] - left, q = d[0] - right;
-    EachMask beyond = p > 0.0, within = q < 0.0; // is left below the spectrum, right above it?
+    Each p = d[0] - left, q = right - d[0], p_before = one, q_before = one;
+    EachMask beyond = p > 0.0, within = q > 0.0; // is left below the spectrum, right above it?
     for (int i = 1; i < n; ++i)
     {
-      p = (p < tiny) & (p > -tiny) ? tiny : p;
-      q = (q < tiny) & (q > -tiny) ? -tiny : q;
-      p = d[i] - left - e[i - 1] / p;
-      q = d[i] - right - e[i - 1] / q;
+      const Each p_next = (d[i] - left) * p - e[i - 1] * p_before, q_next = (right - d[i]) * q - e[i - 1] * q_before;
+      p_before = p, p = p_next;
+      q_before = q, q = q_next;
       beyond &= p > 0.0;
-      within &= q < 0.0;
+      within &= q > 0.0;
+      if (i % steps_between_scalings == 0)
+      {
+        p_before /= p, p = one;
+        q_before /= q, q = one;
+      }
     }
     outer_low = beyond ? left : outer_low;
     inner_low = beyond ? inner_low : left;
@@ -145,6 +154,36 @@ IMPACT_INLINED void bisect(int n, const Each* d, Each* e, Each& low, Each& high)
   }
   low = outer_low;
   high = outer_high;
+}
+
+IMPACT_CLONES void set_symmetric(int n, const double* given, const double* diagonals, double* entries, double* norms)
+{
+  constexpr int num = SymmetricMatrices::num;
+  const Each* const S = reinterpret_cast<const Each*>(given);
+  const Each* const d = reinterpret_cast<const Each*>(diagonals);
+  Each* a = reinterpret_cast<Each*>(entries);
+  Each all{}, skew{};
+  for (int i = 0; i < n; ++i)
+  {
+    const Each* const row = S + std::size_t(n) * i;
+    const Each half = 0.5 * d[i];
+    for (int j = 0; j < i; ++j, ++a)
+    {
+      const Each to = row[j], fro = S[std::size_t(n) * j + i], scale = half * d[j];
+      const Each even = (to + fro) * scale, odd = (to - fro) * scale;
+      *a = even;
+      all += even * even;
+      skew += odd * odd;
+    }
+    *a = row[i] * d[i] * d[i];
+    all += 0.5 * *a * *a; // the others count twice
+    ++a;
+  }
+  for (int l = 0; l < num; ++l)
+  {
+    norms[2 * l] = std::sqrt(2.0 * all[l]);
+    norms[2 * l + 1] = std::sqrt(2.0 * skew[l]);
+  }
 }
 
 IMPACT_CLONES void find_ends(int n, double* entries, double* work, double* ends)
@@ -169,6 +208,17 @@ IMPACT_CLONES void find_ends(int n, double* entries, double* work, double* ends)
 SymmetricMatrices::SymmetricMatrices(int n)
     : _n(n), _entries(std::size_t(n) * (n + 1) / 2 * num), _work(std::size_t(4) * n * num)
 {
+}
+
+std::array<SymmetricMatrices::Norms, SymmetricMatrices::num> SymmetricMatrices::set_scaled(const double* S,
+                                                                                           const double* d)
+{
+  std::array<double, std::size_t(2) * num> norms;
+  set_symmetric(_n, S, d, _entries.data(), norms.data());
+  std::array<Norms, num> out;
+  for (int l = 0; l < num; ++l)
+    out[l] = {norms[2 * l], norms[2 * l + 1]};
+  return out;
 }
 
 std::array<std::array<double, 2>, SymmetricMatrices::num> SymmetricMatrices::extreme_eigenvalues()

@@ -21,6 +21,17 @@ public:
   /// Entry of matrix `which` in row i and column j <= i; all of these are to be written.
   double& operator()(int which, int i, int j) { return _entries[(std::size_t(i) * (i + 1) / 2 + j) * num + which]; }
 
+  /// Frobenius norms of a matrix's parts.
+  struct Norms
+  {
+    double symmetric, skew;
+  };
+  /// Write the symmetric parts of D S D, D the diagonal matrix of d.
+  /// @param[in] S matrices, entry (i, j) of matrix k at [num * (n * i + j) + k], aligned
+  /// @param[in] d entry i of matrix k at [num * i + k], aligned
+  /// @returns norms of both parts of D S D, for each matrix
+  std::array<Norms, num> set_scaled(const double* S, const double* d);
+
   /// Smallest and largest eigenvalue of each matrix, right to some units of round-off of the largest absolute value.
   /// The matrices are overwritten.
   /// @pre all entries are finite

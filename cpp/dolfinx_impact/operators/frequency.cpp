@@ -4,6 +4,7 @@
 #include "CellMatrix.h"
 #include "CellValues.h"
 #include "SymmetricMatrices.h"
+#include "lanes.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,21 +18,14 @@ namespace dolfinx_impact::operators
 {
 namespace
 {
-/// Cells of entity e of a list of Batches.h's Integral, and what the kernel takes as its entity.
-struct Entity
-{
-  std::span<const std::int32_t> cells;
-  int facet;
-};
-
-/// Numbers of an entity's degrees of freedom, from zero, in the order of its matrix: those that two cells share are
+/// Numbers of the degrees of freedom of two cells, from zero, in the order of their matrix: those that both have are
 /// one.
-int number_dofs(const FunctionSpace& V, const Entity& entity, std::vector<int>& numbers)
+int number_dofs(const FunctionSpace& V, std::span<const std::int32_t> cells, std::vector<int>& numbers)
 {
   const auto& map = *V.dofmap();
   std::vector<std::int32_t> nodes;
   numbers.clear();
-  for (const std::int32_t cell : entity.cells)
+  for (const std::int32_t cell : cells)
     for (const std::int32_t node : map.cell_dofs(cell))
     {
       const auto found = std::find(nodes.begin(), nodes.end(), node);
@@ -44,57 +38,134 @@ int number_dofs(const FunctionSpace& V, const Entity& entity, std::vector<int>& 
   return int(nodes.size()) * map.bs();
 }
 
-/// Matrices of one size that wait until there are enough to find the ends of their spectra together.
+constexpr int num_together = SymmetricMatrices::num;
+
+/// Matrices of one size that wait until there are enough to find the ends of their spectra together: a matrix per lane.
 class Waiting
 {
 public:
-  explicit Waiting(int size) : _matrices(size) {}
+  explicit Waiting(int size)
+      : _matrices(size), _stiffness(std::size_t(size) * size * num_together),
+        _diagonals(std::size_t(size) * num_together)
+  {
+  }
 
   /// @param[in] entity number of the matrix, among the results
-  /// @param[in] S, m matrix, row by row, and masses
-  /// @returns the Frobenius norm of the skew-symmetric part, scaled by the mass; not finite if an entry is not
-  double add(std::size_t entity, const double* S, const double* m)
+  /// @param[in] cell the first of the entity
+  /// @param[in] m masses
+  /// @returns the place of the matrix's first entry; one entry stands num_together behind the other, row by row
+  double* add(std::size_t entity, std::int32_t cell, const double* m)
   {
-    const int size = _matrices.size(), which = _num++;
-    _entities[which] = entity;
-    _scale.resize(size);
-    for (int i = 0; i < size; ++i)
-      _scale[i] = 1.0 / std::sqrt(m[i]);
-    double skew = 0.0, all = 0.0;
-    for (int i = 0; i < size; ++i)
-      for (int j = 0; j <= i; ++j)
-      {
-        const double to = S[std::size_t(size) * i + j], fro = S[std::size_t(size) * j + i], s = _scale[i] * _scale[j];
-        const double even = 0.5 * (to + fro) * s, odd = 0.5 * (to - fro) * s;
-        _matrices(which, i, j) = even;
-        all += even * even;
-        skew += 2.0 * odd * odd; // of both entries; the diagonal has none
-      }
-    return std::isfinite(all) ? std::sqrt(skew) : all;
+    const int lane = _num++;
+    _entities[lane] = {entity, cell};
+    for (int i = 0; i < _matrices.size(); ++i)
+      _diagonals[std::size_t(i) * num_together + lane] = 1.0 / std::sqrt(m[i]);
+    return _stiffness.data() + lane;
   }
-  bool full() const { return _num == SymmetricMatrices::num; }
-  /// Write the eigenvalues of what waits, [3*entity] and [3*entity + 1].
+  /// Matrices of all lanes.
+  AlignedVector& stiffness() { return _stiffness; }
+  bool full() const { return _num == num_together; }
+  /// Write the eigenvalues of what waits, [3*entity] and [3*entity + 1], and the Frobenius norm of the skew-symmetric
+  /// part, scaled by the mass.
+  /// @throws std::runtime_error if an entry is not a number
   void finish(std::vector<double>& out)
   {
-    if (_num == 0)
-      return;
-    const int size = _matrices.size();
-    for (int which = _num; which < SymmetricMatrices::num; ++which)
-      for (int i = 0; i < size; ++i)
-        for (int j = 0; j <= i; ++j)
-          _matrices(which, i, j) = 0.0;
+    const auto norms = _matrices.set_scaled(_stiffness.data(), _diagonals.data());
+    for (int lane = 0; lane < _num; ++lane)
+      if (!std::isfinite(norms[lane].symmetric) || !std::isfinite(norms[lane].skew))
+        throw std::runtime_error("the stiffness of cell " + std::to_string(_entities[lane].cell) +
+                                 " of this rank is not a number");
     const auto ends = _matrices.extreme_eigenvalues();
-    for (int which = 0; which < _num; ++which)
-      std::copy_n(ends[which].begin(), 2, out.begin() + 3 * std::ptrdiff_t(_entities[which]));
+    for (int lane = 0; lane < _num; ++lane)
+    {
+      double* const found = out.data() + 3 * _entities[lane].number;
+      std::ranges::copy(ends[lane], found);
+      found[2] = norms[lane].skew;
+    }
     _num = 0;
   }
+  bool empty() const { return _num == 0; }
 
 private:
+  struct Place
+  {
+    std::size_t number;
+    std::int32_t cell;
+  };
+
   SymmetricMatrices _matrices;
-  std::array<std::size_t, SymmetricMatrices::num> _entities{};
-  std::vector<double> _scale; ///< one over the root of the masses
+  AlignedVector _stiffness; ///< of all lanes; where nothing waits it is an earlier one, or zero
+  AlignedVector _diagonals; ///< one over the root of the masses
+  std::array<Place, num_together> _entities{};
   int _num = 0;
 };
+
+/// Spectra of entities whose matrices are all of the kernel's size: cells and exterior facets.
+void find_spectra(const Integral& matrix, CellMatrix& kernel, CellValues& values, std::span<const double> masses,
+                  std::vector<double>& out)
+{
+  const int n = kernel.num_rows(), stride = std::string(matrix.kernel->integral_type) == "cell" ? 1 : 2;
+  const std::size_t size = std::size_t(n) * n, num = out.size() / 3, together = kernel.num_cells();
+  const bool in_place = together == num_together; // the kernel has a matrix per lane as well
+  Waiting waiting(n);
+  AlignedVector own(in_place ? 0 : size * together);
+  AlignedVector& K = in_place ? waiting.stiffness() : own;
+  for (std::size_t e = 0; e < num; e += together)
+  {
+    const std::size_t count = std::min(together, num - e);
+    const std::int32_t* given = matrix.entities.data() + stride * e;
+    if (stride == 1)
+      values.gather(std::span(given, count));
+    else
+      values.gather(given[0]);
+    std::ranges::fill(K, 0.0);
+    kernel.add(K.data(), values.w(), matrix.constants, values.nodes(), stride == 1 ? 0 : given[1]);
+    for (std::size_t lane = 0; lane < count; ++lane)
+    {
+      double* const place = waiting.add(e + lane, given[stride * lane], masses.data() + (e + lane) * n);
+      for (std::size_t k = 0; k < size && !in_place; ++k)
+        place[k * num_together] = K[k * together + lane];
+      if (waiting.full())
+        waiting.finish(out);
+    }
+  }
+  if (!waiting.empty())
+    waiting.finish(out);
+}
+
+/// Spectra at facets between two cells, which share more degrees of freedom or less.
+void find_joint_spectra(const Integral& matrix, const FunctionSpace& V, CellMatrix& kernel, CellValues& values,
+                        std::span<const double> masses, std::vector<double>& out)
+{
+  const int n = kernel.num_rows();
+  std::vector<double> K(std::size_t(n) * n), mass;
+  std::vector<int> numbers;
+  std::map<int, Waiting> of_size;
+  for (std::size_t e = 0; e < out.size() / 3; ++e)
+  {
+    const std::span<const std::int32_t> entity = std::span(matrix.entities).subspan(3 * e, 3);
+    for (int side = 0; side < 2; ++side)
+      values.gather(entity[side], side);
+    std::ranges::fill(K, 0.0);
+    kernel.add(K.data(), values.w(), matrix.constants, values.nodes(), entity[2]);
+    const int size = number_dofs(V, entity.first(2), numbers);
+    mass.assign(size, 0.0);
+    for (int i = 0; i < n; ++i)
+      mass[numbers[i]] += masses[e * n + i];
+    Waiting& waiting = of_size.try_emplace(size, size).first->second;
+    double* const place = waiting.add(e, entity[0], mass.data());
+    for (int k = 0; k < size * size; ++k)
+      place[std::size_t(k) * num_together] = 0.0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        place[(std::size_t(size) * numbers[i] + numbers[j]) * num_together] += K[std::size_t(n) * i + j];
+    if (waiting.full())
+      waiting.finish(out);
+  }
+  for (auto& [size, waiting] : of_size)
+    if (!waiting.empty())
+      waiting.finish(out);
+}
 } // namespace
 
 std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
@@ -112,43 +183,12 @@ std::vector<double> cell_spectra(const Integral& matrix, const FunctionSpace& V,
     throw std::invalid_argument(std::string("kernel ") + k.name + " is not a stiffness with its constants");
   if (masses.size() != num * n)
     throw std::invalid_argument("cell_spectra takes a mass for every degree of freedom of every cell of an entity");
-  CellValues values(k, V, coefficients);
-  std::vector<double> K(std::size_t(n) * n), out(3 * num), reduced, mass;
-  std::vector<int> numbers;
-  std::map<int, Waiting> of_size; // two cells share more degrees of freedom or less
-  for (std::size_t e = 0; e < num; ++e)
-  {
-    const std::int32_t* given = matrix.entities.data() + stride * e;
-    const Entity entity{{given, std::size_t(sides)}, type == "cell" ? 0 : given[sides]};
-    for (int side = 0; side < sides; ++side)
-      values.gather(entity.cells[side], side);
-    std::fill(K.begin(), K.end(), 0.0);
-    kernel.add(K.data(), values.w(), matrix.constants, values.nodes(), entity.facet);
-    const double *m = masses.data() + e * n, *S = K.data();
-    int size = n;
-    if (sides == 2)
-    {
-      size = number_dofs(V, entity, numbers);
-      reduced.assign(std::size_t(size) * size, 0.0);
-      mass.assign(size, 0.0);
-      for (int i = 0; i < n; ++i)
-      {
-        mass[numbers[i]] += m[i];
-        for (int j = 0; j < n; ++j)
-          reduced[std::size_t(size) * numbers[i] + numbers[j]] += K[std::size_t(n) * i + j];
-      }
-      m = mass.data(), S = reduced.data();
-    }
-    Waiting& waiting = of_size.try_emplace(size, size).first->second;
-    out[3 * e + 2] = waiting.add(e, S, m);
-    if (!std::isfinite(out[3 * e + 2]))
-      throw std::runtime_error("the stiffness of cell " + std::to_string(entity.cells[0]) +
-                               " of this rank is not a number");
-    if (waiting.full())
-      waiting.finish(out);
-  }
-  for (auto& [size, waiting] : of_size)
-    waiting.finish(out);
+  CellValues values(k, V, coefficients, kernel.num_cells());
+  std::vector<double> out(3 * num);
+  if (sides == 2)
+    find_joint_spectra(matrix, V, kernel, values, masses, out);
+  else
+    find_spectra(matrix, kernel, values, masses, out);
   return out;
 }
 } // namespace dolfinx_impact::operators

@@ -10,7 +10,9 @@ from mpi4py import MPI
 import dolfinx_impact as di
 from dolfinx_impact import _cpp
 from dolfinx_impact.assembly.averaged_form import compile_columns
+from dolfinx_impact.assembly.cell_matrices import CellMatrices
 from dolfinx_impact.assembly.operators import BilinearKernels
+from dolfinx_impact.assembly.packed_cells import packed_cells
 
 COMM = MPI.COMM_WORLD
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
@@ -226,6 +228,44 @@ def check_tangent():
             A.assemble()
             A.axpy(-1.0, tangent.assemble())
             assert A.norm() < TOLERANCE * tangent.matrix.norm()
+
+
+def matrices_one_by_one(matrices):
+    """Element matrices of all owned cells of a form with one kernel, which computes one cell at a time."""
+    ((kernel, functions, cells, constants),) = matrices._integrals()
+    assert kernel.rank == 2 and list(cells) == list(range(len(cells)))
+    w, x = packed_cells(matrices.space.mesh, kernel, functions, cells)
+    A = np.zeros((len(cells), *kernel.shape))
+    kernel.tabulate_cells(A.ravel(), w.ravel(), constants, x.ravel(), len(cells))
+    return kernel, A
+
+
+def check_matrices_of_some_cells():
+    """Tangents and spectra, whose kernels compute four cells at a time, against one cell after the other; the number of
+    cells is no multiple of four."""
+    linear, hyperelastic = di.LinearElastic, di.NeoHookean
+    cases = [(cell, 1, law) for cell in CELLS for law in (linear, hyperelastic)] + [("tetrahedron", 2, linear)]
+    for cell, degree, law in cases:
+        u = displacement(body(cell, (3, 3, 1)), degree)
+        V = u.function_space
+        v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
+        form = di.operators.tangent_form(u, du, v, law(2.1, 0.3, 1.7, hypothesis=hypothesis(V.mesh)))
+        matrices = CellMatrices(u, form, (u,))
+        kernel, A = matrices_one_by_one(matrices)
+        assert (4 in kernel.widths) == (_cpp.kernels.processor_width() >= 4)
+        assert COMM.allreduce(len(A)) % 4
+        masses = 1.0 + 0.1 * (np.arange(A.shape[0] * A.shape[1]).reshape(A.shape[:2]) % 7)
+        scale = 1 / np.sqrt(masses)
+        expected = np.linalg.eigvalsh(0.5 * (A + A.swapaxes(1, 2)) * scale[:, :, None] * scale[:, None, :])
+        equal(matrices.spectra(masses)[:, :2].ravel(), expected[:, [0, -1]].ravel())
+        d, force = displacement(V.mesh, degree, "d"), fem.Function(V)
+        bs = V.dofmap.bs
+        dofs = (bs * V.dofmap.list[: len(A), :, None] + np.arange(bs)).reshape(len(A), -1)
+        np.add.at(force.x.array, dofs, np.einsum("eij,ej->ei", A, d.x.array[dofs]))
+        force.x.scatter_reverse(la.InsertMode.add)
+        product = force.x.petsc_vec.duplicate()
+        di.Tangent(form).assemble().mult(d.x.petsc_vec, product)
+        equal(product.array, force.x.array[: product.local_size])
 
 
 def check_matrices_of_facets():
