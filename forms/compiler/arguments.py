@@ -222,7 +222,7 @@ class ElementTensor:
     def _rounded(self, value):
         """A value that is added to A. A sum with the last product of it has another rounding: the sweep, which adds to
         nothing, is to have that of `tabulate`."""
-        return Rounded(value) if self.integral.has_sweep and self.integral.law is None else value
+        return Rounded(value) if self.integral.has_sweep and not self.integral.history else value
 
     # -- rank 2 -------------------------------------------------------------------------------------------------------
     def _inside_matrix(self, schedule):

@@ -74,7 +74,7 @@ SWEEP = """
 {{
   typedef dolfinx_impact::kernels::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::swept::sweep<{lanes}, dolfinx_impact::kernels::generated::{symbol}_kernel<T>,
-                                        dolfinx_impact::kernels::swept::NodalArrays{{{arrays}}}>(*cells);
+                                        dolfinx_impact::kernels::swept::NodalArrays{{{arrays}}}, {sums}>(*cells);
 }}
 #endif
 """
@@ -239,6 +239,7 @@ def definitions(integrals, prefix, linkage=OBJECT):
             arrays = _nodal_arrays(integral.swept_arrays, tree)
             how = {"function": linkage.function, "symbol": symbol, "lanes": lanes, "guard": GUARDS[lanes]}
             how |= {"points": _point_arrays(integral), "count": len(integral.law.outputs) if integral.law else 0}
+            how |= {"sums": len(integral.law.sums) if integral.law else 0}
             out.append((IN_PLACE_SWEEP if integral.is_in_place else SWEEP).format(**how, arrays=arrays))
         out.append(_descriptor(integral, symbol, flops(tree), group, linkage))
         names.append(symbol)

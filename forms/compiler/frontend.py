@@ -177,8 +177,8 @@ class Integral:
         one coefficient that has as many components as positions, at most one scalar on the same nodes, and the test
         function on them: the calls around them, and the arrays that calls pass, take as long as the kernel of a linear
         tetrahedron, a third of a hexahedron with one point, and an eighth of the step of a quadratic tetrahedron. With
-        a point law such a kernel reads and writes internal variables in place."""
-        if self.integral_type != "cell" or self.rank != 1 or (self.law is not None and not self.history):
+        a point law such a kernel reads and writes internal variables in place; a law may also have sums alone."""
+        if self.integral_type != "cell" or self.rank != 1 or not (self.history or self.law_has_sums_alone):
             return None
         positions, test = self.coordinate_element, self.argument_elements[0]
         simplices, boxes = ("triangle", "tetrahedron"), ("quadrilateral", "hexahedron")
@@ -216,6 +216,11 @@ class Integral:
         if any(o.history < 0 and o.name != UNKNOWN for o in outputs):
             return {}
         return {o.history: number for number, o in enumerate(outputs) if o.history >= 0}
+
+    @property
+    def law_has_sums_alone(self) -> bool:
+        """Is there nothing beside the element tensor but sums over the cells, or nothing at all?"""
+        return self.law is None or not (self.law.outputs or self.law.num_unknowns or self.law.averages)
 
     @property
     def is_in_place(self) -> bool:

@@ -152,6 +152,19 @@ TEST_CASE("what a callback throws leaves the steps that were made, and the same 
   CHECK(std::ranges::equal(one.u->x()->array(), other.u->x()->array()));
 }
 
+TEST_CASE("a callback is called after steps that are multiples of its pause")
+{
+  Square square("linear_elastic", 0.1);
+  problems::ExplicitProblem problem(square.u, square.v, square.body());
+  const double end = 22.5 * problem.stable_step();
+  std::vector<std::int64_t> steps;
+  const auto note = [&](double, const state::State&) { steps.push_back(problem.step()); };
+  CHECK_THROWS_AS(problem.advance(end, {.callback_every = 0}, note), dolfinx_impact::common::BadValue);
+  problem.advance(end, {.callback_every = 10}, note);
+  CHECK(problem.step() >= 20);
+  CHECK(steps == (problem.step() < 30 ? std::vector<std::int64_t>{10, 20} : std::vector<std::int64_t>{10, 20, 30}));
+}
+
 TEST_CASE("a run goes on from a state that was saved as if nothing had been")
 {
   Square square("j2.small.linear", 0.5);

@@ -193,7 +193,8 @@ IMPACT_ALWAYS_INLINE void gather_node(int i, const double* values, const int* no
 
 /// @tparam kernel the kernel for vectors of W cells, which becomes a part of this function
 /// @tparam of where its arrays are
-template <int W, auto kernel, NodalArrays of>
+/// @tparam num_sums what it sums up over the cells and writes behind the element vector
+template <int W, auto kernel, NodalArrays of, int num_sums = 0>
 IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
 {
   typedef typename Lanes<W>::type T;
@@ -205,7 +206,7 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
     constants[i] = s.constants[i];
   for (unsigned long long batch = 0; batch < s.num_batches; ++batch, nodes += W * N)
   {
-    T x[3 * P], w[of.num_values()], A[size];
+    T x[3 * P], w[of.num_values()], A[size + num_sums];
     T first_x[3]{}, first_w[of.components]{};
     const auto gather_position = [&](int i) __attribute__((always_inline))
     { gather_node<W, 3, of.position_differences>(i, s.positions, nodes, first_x, x + 3 * i); };
@@ -235,6 +236,9 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
 #pragma GCC unroll 16
     for (int i = 0; i < N; ++i)
       scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);
+    for (int k = 0; k < num_sums; ++k)
+      for (int lane = 0; lane < W; ++lane)
+        s.sums[k] += A[size + k][lane];
   }
 }
 

@@ -222,17 +222,22 @@ std::vector<ContactInTime> with_ties(std::vector<ContactInTime> contacts)
   return contacts;
 }
 
-/// Calls a function of the user after each step, all ranks together.
+/// Calls a function of the user after each step, or some of them, all ranks together.
 class CallingObserver : public RunObserver
 {
 public:
-  CallingObserver(ExplicitProblem& problem, const ExplicitProblem::Callback& callback, MPI_Comm comm)
-      : _problem(problem), _callback(callback), _state(problem.state()), _comm(comm)
+  CallingObserver(ExplicitProblem& problem, const ExplicitProblem::Callback& callback, std::int64_t every,
+                  MPI_Comm comm)
+      : _problem(problem), _callback(callback), _every(every), _state(problem.state()), _comm(comm)
   {
+    if (every < 1)
+      throw common::BadValue("callback_every is " + std::to_string(every) + ": give a positive number of steps");
   }
-  std::int64_t room() override { return 1; }
+  std::int64_t room() override { return _every - _problem.step() % _every; }
   void after_steps() override
   {
+    if (_problem.step() % _every != 0)
+      return;
     _problem.update_motion();
     common::agree(_comm, [this] { _callback(_problem.time(), _state); });
   }
@@ -240,6 +245,7 @@ public:
 private:
   ExplicitProblem& _problem;
   const ExplicitProblem::Callback& _callback;
+  std::int64_t _every;
   state::State _state;
   MPI_Comm _comm;
 };
@@ -377,7 +383,7 @@ void ExplicitProblem::advance(double until, const AdvanceOptions& options, const
 {
   if (callback)
   {
-    CallingObserver observer(*this, callback, comm());
+    CallingObserver observer(*this, callback, options.callback_every, comm());
     advance(until, options, observer);
   }
   else

@@ -23,6 +23,7 @@ struct AdvanceOptions
   bool unsafe = false;                     ///< accept a dt beyond the stable step, with a warning
   double gain_warning = 0.1; ///< gained energy over the energies so far at which the run warns; infinite: never [1]
   double gain_limit = 0.5;   ///< and at which it stops [1]
+  std::int64_t callback_every = 1; ///< steps between calls of a callback, after steps with multiples of it [1]
 };
 
 /// Time stepping of an explicit problem: how many steps the integrator takes and how long they are, what happens

@@ -73,13 +73,14 @@ class AdvanceCalls:
 
     @staticmethod
     def at_present(
-        callback: Callable[[Any], object] | None, update: Callable[[Any, float], object] | None
+        callback: Callable[[Any], object] | None, update: Callable[[Any, float], object] | None, every: int = 1
     ) -> Callable[[Any], object] | None:
         """What is called at a time level whose forces come next, in explicit runs.
 
         Args:
             callback: function of the problem, or None.
             update: function of problem and time, or None; it comes first.
+            every: with `update`, which has to be called in each step, steps between calls of `callback` [1].
 
         Returns:
             Function of the problem; None: nothing is called.
@@ -89,7 +90,7 @@ class AdvanceCalls:
 
         def both(problem: Any) -> None:
             update(problem, problem.time)
-            if callback is not None:
+            if callback is not None and problem.step % every == 0:
                 callback(problem)
 
         return both

@@ -22,6 +22,7 @@ from ..assembly.interior_facets import check_neighbours, has_interior_facets
 from ..assembly.large_rotation import RotationWarning
 from ..assembly.locking import warn_of_locking
 from ..assembly.softening import warn_of_softening
+from ..common.arguments import integer
 from ..common.collective import comm_of, guard, same
 from ..common.memory import free_garbage
 from ..common.messages import LOG
@@ -401,6 +402,7 @@ class ExplicitProblem(TransientProblem):
         unsafe: bool = False,
         energy_limits: tuple[float, float] | None = energy_gain.LIMITS,
         update: Callable[[ExplicitProblem, float], object] | None = None,
+        callback_every: int = 1,
     ) -> None:
         """Advance to a time. Collective.
 
@@ -411,8 +413,8 @@ class ExplicitProblem(TransientProblem):
         Args:
             until: time to advance to [T].
             dt: largest step; "auto": 0.9 of the stable step. All steps are equal [T].
-            callback: function that is called as callback(problem) after each step and before the first step of a run
-                (at step 0). Its changes of constants, functions and loads are in force from the time at which it is
+            callback: function that is called as callback(problem) after each step, or each of `callback_every`, and
+                before the first step of a run (at step 0). Its changes of constants, functions and loads are in force from the time at which it is
                 called; the problem updates their ghosts.
             progress: whether rank 0 shows a progress bar.
             unsafe: accept a dt beyond the stable step, with a warning.
@@ -422,10 +424,13 @@ class ExplicitProblem(TransientProblem):
             update: function that is called as update(problem, time) before the forces of a time are computed, the start
                 included, and before `callback`. What it sets, constants and functions of a residual of your own, values
                 of loads, holds at this time, as in implicit runs.
+            callback_every: steps between calls of `callback`, which come after the steps whose number is a multiple of
+                it. Each call brings functions, energies and contact results up to date, which takes about as long as a
+                step [1].
 
         Raises:
             TypeError: an argument is of the wrong type.
-            ValueError: the time has passed; dt is not positive, beyond the stable step, or so small that the time
+            ValueError: the time has passed; `callback_every` is not positive; dt is not positive, beyond the stable step, or so small that the time
                 cannot be reached; the energy limits are not two positive numbers in increasing order; an argument
                 differs between ranks.
             RuntimeError: the call came from a callback of `advance`; or the run went unstable or gained energy beyond
@@ -435,14 +440,16 @@ class ExplicitProblem(TransientProblem):
         """
         with guard(self.comm, "advance", callback=callback, update=update, unsafe=bool(unsafe)) as ranks:
             until, limits = self._calls.check(self.time, until, callback, update), energy_gain.checked(energy_limits)
+            every = integer("callback_every", callback_every, 1, unit=" [1]")
             self._stepper.check_unchanged()
-            ranks.same(until=until, dt=dt, energy_limits=limits)
+            ranks.same(until=until, dt=dt, energy_limits=limits, callback_every=every)
         if until == self.time:
             return
         with self._calls.running():
             first = self._called(self._calls.at_present(None if self.step > 0 else callback, update))
-            each = self._called(self._calls.at_present(callback, update))
-            self._stepper.advance(until, dt, first, each, progress, unsafe, limits)
+            each = self._called(self._calls.at_present(callback, update, every))
+            pause = every if update is None else 1
+            self._stepper.advance(until, dt, first, each, pause, progress, unsafe, limits)
 
     def _called(self, function: Callable[[ExplicitProblem], object] | None) -> Callable[[], object] | None:
         """A function of this problem as one without arguments; None stays None."""

@@ -65,6 +65,7 @@ class TimeStepper:
         self._rotation = rotation
         self._mesh_fingerprint = self._fingerprint()
         self._callback: Callable[[], object] | None = None
+        self._pause = 1  # steps between calls of the callback
         self._interrupts: Interrupts | None = None
         self._progress, self._bar = False, contextlib.ExitStack()
         self._shown: StepProgress | None = None
@@ -162,6 +163,7 @@ class TimeStepper:
         dt: float | str,
         first: Callable[[], object] | None,
         callback: Callable[[], object] | None,
+        pause: int,
         progress: bool,
         unsafe: bool,
         energy_limits: tuple[float, float],
@@ -172,7 +174,8 @@ class TimeStepper:
             until: time to advance to [T].
             dt: largest step [T], or "auto".
             first: function that is called at the present time, or None.
-            callback: function that is called after each step, or None.
+            callback: function that is called after steps, or None.
+            pause: steps between calls of `callback` [1].
             progress: whether a progress bar is shown.
             unsafe: whether a step beyond the stable step is accepted.
             energy_limits: gains of energy at which the run warns and stops [1].
@@ -191,6 +194,7 @@ class TimeStepper:
                 raise ValueError(f"dt is {dt!r}: give a step in units of time, or 'auto'")
             step = None if isinstance(dt, str) else number("dt", dt, 0.0, " [T]")
             self._callback, self._interrupts, self._progress = callback, interrupts, progress
+            self._pause = pause
             try:
                 with contextlib.ExitStack() as self._bar:
                     self._raise(self._cpp_object.advance(until, step, unsafe, *energy_limits, self))
@@ -254,7 +258,9 @@ class TimeStepper:
     def room(self) -> int:
         """Number of steps until a recorder or the callback is due."""
         waits = [recorder.steps_left() for recorder in self.recorders]
-        return 1 if self._callback else min([self.state.hourglass.steps_left(MANY), *waits])
+        if self._callback:
+            waits.append(self._pause - self._cpp_object.step % self._pause)
+        return min([self.state.hourglass.steps_left(MANY), *waits])
 
     def table(self, times: FloatArray) -> FloatArray:
         """Sample the functions of time. Collective.
@@ -289,7 +295,8 @@ class TimeStepper:
         assert self._interrupts is not None  # steps are made inside `advance`
         for recorder in self.recorders:
             recorder.after()
-        error = self._call(self._callback) if self._callback else None
+        called = self._callback is not None and self._cpp_object.step % self._pause == 0
+        error = self._call(self._callback) if called and self._callback else None
         if self.state.hourglass.due:
             self.state.update_functions()
             self.state.hourglass.entry()

@@ -32,6 +32,7 @@ from .way_bar import WayBar
 LARGEST_DIRECT = 400_000
 TOLERANCE = 3e-5  # of the preload's residual: the time steps that follow make larger errors
 FRAMES = 25  # pictures of a passage
+LOOKS = 20  # steps between looks at the progress bar, each of which takes as long as a step
 ROUND_OFF = 1e-12  # of times
 CARRIED = ("pressed", "sunk", "unloaded", "factors_from")  # displacements that later equilibria begin with
 ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "plastic", "external")
@@ -448,7 +449,8 @@ class Passage:
                 moment = (place - data.begin) / data.speed
                 while run.time < moment * (1.0 - ROUND_OFF):
                     until = min(moment, run.time + data.duration / FRAMES)
-                    run.advance(until, dt=dt, progress=False, callback=bar if self._progress else None)
+                    look = bar if self._progress else None
+                    run.advance(until, dt=dt, progress=False, callback=look, callback_every=LOOKS)
                     if save is not None and comm.bcast(time.perf_counter() - saved > interval):
                         save(history())
                         saved = time.perf_counter()

@@ -90,6 +90,37 @@ def check_forces_of_every_step_are_the_contact_s():
     np.testing.assert_allclose(problem.force_history[0], np.array(seen)[:-1], rtol=0, atol=1e-12)
 
 
+def check_callbacks_after_some_steps():
+    """At the start and after steps that are multiples of the pause, with the present state, whatever else is written
+    between; functions of time are set in every step nevertheless."""
+    with shared_folder() as path:
+        problem = block_on_block()
+        dt = 0.5 * problem.stable_step()
+        seen, updated = [], []
+
+        def callback(p):
+            seen.append((p.step, p.time, p.energy["kinetic"], p.contact[0].force[1]))
+
+        recorder = problem.record(path / "run", every=25, points=[[0.5, 0.0]], points_every=7)
+        problem.advance(101 * dt, dt=dt, callback=callback, callback_every=10, progress=False)
+        recorder.close()
+        assert [step for step, *_ in seen] == list(range(0, 101, 10)) and problem.step == 101
+        rows = [step for step, *_ in seen]
+        np.testing.assert_array_equal([row[1:3] for row in seen], problem.energy_history[rows, :2])
+        np.testing.assert_allclose([row[3] for row in seen], problem.force_history[0][rows, 1], rtol=0, atol=1e-12)
+        seen.clear()
+        problem.advance(problem.time + 9 * dt, dt=dt, callback=callback, callback_every=4, progress=False,
+                        update=lambda p, time: updated.append(time))  # fmt: skip
+        assert [step for step, *_ in seen] == [104, 108] and len(updated) == 10
+        for wrong, error in ((0, ValueError), (1.5, ValueError), ("two", TypeError)):
+            with pytest.raises(error, match="callback_every"):
+                problem.advance(1.0, callback=callback, callback_every=wrong, progress=False)
+        if COMM.size > 1:
+            with pytest.raises(ValueError, match="callback_every"):
+                problem.advance(1.0, callback=callback, callback_every=1 + COMM.rank, progress=False)
+        assert problem.step == 110
+
+
 def go_on_without_folder(path, problem, again, time, lost):
     """Run until the folder, or what is named of it, is removed, then on: the run is what it is without a recorder."""
     recorder = problem.record(path / "run", every=5)

@@ -36,13 +36,16 @@ def test_one_call_at_a_time_and_another_after_an_error():
 
 
 def test_update_comes_before_the_callback():
-    problem, order = types.SimpleNamespace(time=0.5), []
+    problem, order = types.SimpleNamespace(time=0.5, step=6), []
     both = AdvanceCalls.at_present(lambda p: order.append("callback"), lambda p, t: order.append(t))
     both(problem)
     assert order == [0.5, "callback"]
     assert AdvanceCalls.at_present(print, None) is print
     AdvanceCalls.at_present(None, lambda p, t: order.append("alone"))(problem)
     assert order[-1] == "alone"
+    for every, called in ((4, False), (3, True)):
+        AdvanceCalls.at_present(lambda p: order.append("callback"), lambda p, t: order.append(t), every)(problem)
+        assert order[-2:] == ([0.5, "callback"] if called else ["alone", 0.5])
 
 
 def test_functions_of_time_are_columns_of_one_table():
