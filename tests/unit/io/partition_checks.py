@@ -132,7 +132,9 @@ def check_ranks_without_cells():
         tags = mesh.meshtags(domain, 1, side, np.full(len(side), 3, dtype=np.int32))
         shared = di.partition(domain, None, tags, slave=3)
         ds = ufl.ds(domain=shared.mesh, subdomain_data=shared.facet_tags)
-        found = [fem.assemble_scalar(ffcx_form(fem.Constant(shared.mesh, 1.0) * d)) for d in (ufl.dx(shared.mesh), ds(3))]
+        found = [
+            fem.assemble_scalar(ffcx_form(fem.Constant(shared.mesh, 1.0) * d)) for d in (ufl.dx(shared.mesh), ds(3))
+        ]
         assert np.allclose(COMM.allreduce(np.array(found)), 1.0, rtol=1e-13)
         assert COMM.allreduce(shared.work) == 24 + 7 * NODE_COST and shared.mesh.topology.index_map(2).size_local > 0
     one = di.partition(mesh.create_unit_cube(COMM, 1, 1, 1, mesh.CellType.hexahedron))
