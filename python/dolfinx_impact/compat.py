@@ -332,7 +332,7 @@ def model_to_mesh(model: Any, comm: MPI.Intracomm, rank: int = 0, gdim: int = 3,
     if len(kinds) > 1:
         raise ValueError(
             f"the physical groups of the gmsh model hold cells of {len(kinds)} kinds ({', '.join(kinds)}), and a mesh "
-            "has cells of one kind: recombine all of it or nothing, or join the parts by a Tie"
+            "has cells of one kind: recombine all surfaces or none"
         )
     seen = _cells_and_facets(model) if comm.rank == rank else None
     if RELEASE < (0, 10):
