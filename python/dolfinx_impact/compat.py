@@ -323,11 +323,18 @@ def model_to_mesh(model: Any, comm: MPI.Intracomm, rank: int = 0, gdim: int = 3,
         Mesh, tags of its cells, tags of its facets.
 
     Raises:
-        RuntimeError: the model has no physical group; on all ranks.
+        RuntimeError: no physical group holds cells; on all ranks.
+        ValueError: its cells are of several kinds, as triangles and quadrilaterals; on all ranks.
     """
+    kinds = comm.bcast(_kinds_of_cells(model) if comm.rank == rank else None, rank)
+    if not kinds:
+        raise RuntimeError("the gmsh model has no physical group that holds cells: add one, and mesh the model")
+    if len(kinds) > 1:
+        raise ValueError(
+            f"the physical groups of the gmsh model hold cells of {len(kinds)} kinds ({', '.join(kinds)}), and a mesh "
+            "has cells of one kind: recombine all surfaces or none"
+        )
     seen = _cells_and_facets(model) if comm.rank == rank else None
-    if not comm.bcast(seen is not None, rank):
-        raise RuntimeError("the gmsh model has no physical group: add one that holds the cells")
     if RELEASE < (0, 10):
         return GmshMesh(*io.gmshio.model_to_mesh(seen, comm, rank, gdim=gdim, partitioner=partitioner))
     data = io.gmsh.model_to_mesh(seen, comm, rank, gdim=gdim, partitioner=partitioner)
@@ -336,6 +343,23 @@ def model_to_mesh(model: Any, comm: MPI.Intracomm, rank: int = 0, gdim: int = 3,
         none = np.zeros(0, dtype=np.int32)
         facet_tags = mesh.meshtags(data.mesh, data.mesh.topology.dim - 1, none, none)
     return GmshMesh(data.mesh, data.cell_tags, facet_tags)
+
+
+def _with_cells(model: Any) -> tuple[int, list[int]]:
+    """Dimension of the cells of a gmsh model with physical groups, and its entities that are in groups of cells."""
+    groups = model.getPhysicalGroups()
+    tdim = max(dim for dim, _ in groups)
+    found = dict.fromkeys(e for d, tag in groups if d == tdim for e in model.getEntitiesForPhysicalGroup(d, tag))
+    return tdim, list(found)
+
+
+def _kinds_of_cells(model: Any) -> list[str]:
+    """Names of the kinds of cells in physical groups of a gmsh model, as "Triangle 3"; empty if there are no groups."""
+    if not model.getPhysicalGroups():
+        return []
+    tdim, entities = _with_cells(model)
+    kinds = sorted({int(kind) for e in entities for kind in model.mesh.getElementTypes(tdim, e)})
+    return [str(model.mesh.getElementProperties(kind)[0]) for kind in kinds]
 
 
 def _cells_and_facets(model: Any) -> Any:
@@ -348,13 +372,10 @@ def _cells_and_facets(model: Any) -> Any:
         model: gmsh.model.
 
     Returns:
-        The functions of the model that DOLFINx calls; None if there are no physical groups.
+        The functions of the model that DOLFINx calls.
     """
     groups = model.getPhysicalGroups()
-    if not groups:
-        return None
-    tdim = max(dim for dim, _ in groups)
-    entities = dict.fromkeys(e for d, tag in groups if d == tdim for e in model.getEntitiesForPhysicalGroup(d, tag))
+    tdim, entities = _with_cells(model)
     all_numbers, x, _ = model.mesh.getNodes()
     in_cells = np.concatenate([nodes for e in entities for nodes in model.mesh.getElements(tdim, e)[2]])
     used = np.isin(all_numbers, in_cells)

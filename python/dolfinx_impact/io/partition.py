@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from dolfinx import io, la, mesh
+from dolfinx import cpp, io, la, mesh
 from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
 from .. import compat
-from ..common.collective import guard
+from ..common.collective import common, guard
 from ..common.types import FloatArray, IntArray
 from .bisection import Cost, bisect, one_rank_each
 
@@ -51,7 +51,7 @@ def partition(
     domain: Mesh,
     cell_tags: MeshTags | None = None,
     facet_tags: MeshTags | None = None,
-    slave: Sequence[int] = (),
+    slave: int | Sequence[int] = (),
     node_cost: float = NODE_COST,
     cell_cost: Cost | None = None,
 ) -> PartitionedMesh:
@@ -64,7 +64,8 @@ def partition(
         domain: mesh, whatever its ghosts; it stays as it is.
         cell_tags: tags of its cells, which come along.
         facet_tags: tags of its facets, which come along.
-        slave: tags of facets whose nodes are slaves of a contact; of both surfaces where the contact is balanced.
+        slave: tag or tags of facets whose nodes are slaves of a contact; of both surfaces where the contact is
+            balanced.
         node_cost: cost of a slave node over that of a cell of cost 1 [1].
         cell_cost: cost of cells by their midpoints, (n, 3) -> (n), as where cells yield; None: 1 each [1].
 
@@ -73,28 +74,33 @@ def partition(
 
     Raises:
         TypeError: an argument is of the wrong type; on all ranks.
-        ValueError: tags are of another dimension or missing, costs are negative or not finite; on all ranks.
+        ValueError: tags are of another dimension or mesh, or missing, no facet has a tag of `slave`, costs are
+            negative, not finite or all zero; on all ranks.
     """
     if not isinstance(domain, Mesh):
         raise TypeError(f"partition takes a mesh of dolfinx.mesh, found {type(domain).__name__}")
     tdim = domain.topology.dim
     with guard(domain.comm, "partition", slave=slave, node_cost=node_cost) as ranks:
-        slave = [int(tag) for tag in slave]
+        slave = [int(tag) for tag in np.atleast_1d(np.asarray(slave, dtype=np.int64))]
         for name, tags, dim in (("cell_tags", cell_tags, tdim), ("facet_tags", facet_tags, tdim - 1)):
             if tags is not None and not isinstance(tags, MeshTags):
                 raise TypeError(f"{name} must be MeshTags or None, found {type(tags).__name__}")
             if tags is not None and tags.dim != dim:
                 raise ValueError(f"{name} needs tags of dimension {dim}, found tags of dimension {tags.dim}")
+            if tags is not None and tags.topology is not domain.topology._cpp_object:
+                raise ValueError(f"{name}: the tags are of another mesh: make them on the one that is shared out")
         if slave and facet_tags is None:
             raise ValueError("slave = ...: give the facet_tags that these numbers are of")
         if not (np.isfinite(node_cost) and node_cost >= 0.0):
             raise ValueError(f"node_cost = {node_cost}: it is finite and not negative")
         costs = _costs(domain, facet_tags, slave, float(node_cost), cell_cost)
         ranks.same(cell_tags=cell_tags is None, facet_tags=facet_tags is None, cell_cost=cell_cost is None)
+    _check_sums(domain.comm, costs, facet_tags, slave)
     owned = np.arange(len(costs), dtype=np.int32)
     parts = _on_one_rank(domain.comm, mesh.compute_midpoints(domain, tdim, owned), costs)
     nodes = domain.geometry.index_map()
-    cells = nodes.local_to_global(compat.geometry_dofmap(domain)[: len(owned)].reshape(-1)).reshape(len(owned), -1)
+    places = compat.geometry_dofmap(domain)[: len(owned)]  # no rows on a rank without cells
+    cells = nodes.local_to_global(places.reshape(-1)).reshape(places.shape)
     made = mesh.create_mesh(
         domain.comm,
         cells,
@@ -103,7 +109,9 @@ def partition(
         partitioner=lambda *given: one_rank_each(parts),
     )
     new_cells, new_facets = (None if t is None else _move(domain, t, made) for t in (cell_tags, facet_tags))
-    work = _work(made, new_facets, slave, float(node_cost), cell_cost)
+    with guard(domain.comm, "partition"):  # `cell_cost` is called with other midpoints than before
+        new_costs = _cell_costs(made, cell_cost)
+    work = _work(made, new_facets, slave, float(node_cost), new_costs)
     total, most = made.comm.allreduce(work, MPI.SUM), made.comm.allreduce(work, MPI.MAX)
     return PartitionedMesh(made, new_cells, new_facets, work, most * made.comm.size / total - 1.0)
 
@@ -120,6 +128,22 @@ def _cell_costs(domain: Mesh, cell_cost: Cost | None) -> FloatArray:
     if not np.all(np.isfinite(costs) & (costs >= 0.0)):
         raise ValueError("cell_cost returned a value that is negative or not finite")
     return costs
+
+
+def _check_sums(comm: MPI.Comm, costs: FloatArray, facet_tags: MeshTags | None, slave: Sequence[int]) -> None:
+    """Check what the ranks know together: there is some cost, and facets of each slave tag. Collective.
+
+    Raises:
+        ValueError: there is none; on all ranks.
+    """
+    here = np.array([costs.sum(), *(len(_slave_facets(facet_tags, [tag])) for tag in slave)])
+    total = np.empty_like(here)
+    comm.Allreduce(here, total)
+    if not total[0] > 0.0:
+        raise common(ValueError("all cells cost nothing: cell_cost must be positive somewhere"))
+    missing = [tag for tag, count in zip(slave, total[1:]) if count == 0]
+    if missing:
+        raise common(ValueError(f"slave: no facet of facet_tags has the tag {missing[0]}"))
 
 
 def _slave_facets(facet_tags: MeshTags | None, slave: Sequence[int]) -> IntArray:
@@ -165,7 +189,11 @@ def _move(domain: Mesh, tags: MeshTags, made: Mesh) -> MeshTags:
     domain.topology.create_connectivity(dim, domain.topology.dim)
     domain.topology.create_connectivity(dim, 0)
     chosen = tags.indices < domain.topology.index_map(dim).size_local
-    places = mesh.entities_to_geometry(domain, dim, tags.indices[chosen])
+    if np.any(chosen):
+        places = mesh.entities_to_geometry(domain, dim, tags.indices[chosen])
+    else:  # DOLFINx divides by the number of vertices that it finds, none on a rank without cells
+        kind = cpp.mesh.cell_entity_type(domain.topology.cell_type, dim, 0)
+        places = np.zeros((0, cpp.mesh.cell_num_vertices(kind)), dtype=np.int32)
     nodes = domain.geometry.index_map().local_to_global(places.reshape(-1)).reshape(places.shape)
     vertices, values = io.distribute_entity_data(made, dim, nodes, tags.values[chosen])
     made.topology.create_connectivity(dim, 0)
@@ -176,7 +204,7 @@ def _move(domain: Mesh, tags: MeshTags, made: Mesh) -> MeshTags:
 
 
 def _work(
-    domain: Mesh, facet_tags: MeshTags | None, slave: Sequence[int], node_cost: float, cell_cost: Cost | None
+    domain: Mesh, facet_tags: MeshTags | None, slave: Sequence[int], node_cost: float, cell_costs: FloatArray
 ) -> float:
     """Cost of the cells and slave nodes that this rank owns. Collective."""
     facets, topology = _slave_facets(facet_tags, slave), domain.topology
@@ -187,4 +215,4 @@ def _work(
     is_slave.array[to_vertices.array.reshape(-1, per_facet)[facets].reshape(-1)] = 1.0
     is_slave.scatter_reverse(la.InsertMode.add)
     num_slaves = np.count_nonzero(is_slave.array[: topology.index_map(0).size_local])
-    return float(_cell_costs(domain, cell_cost).sum() + node_cost * num_slaves)
+    return float(cell_costs.sum() + node_cost * num_slaves)

@@ -21,10 +21,15 @@ BULK = 100.0
 
 
 class Averaged:
-    """A body whose pressure is that of the mean dilatation of each cell, linear or of finite strain."""
+    """A body whose pressure is that of the mean dilatation of each cell, linear or of finite strain.
 
-    def __init__(self, cell, finite=False):
-        self.mesh, self.finite = body(cell), finite
+    Args:
+        domain: mesh, or the kind of its cells.
+        finite: is the strain finite?
+    """
+
+    def __init__(self, domain, finite=False):
+        self.mesh, self.finite = body(domain) if isinstance(domain, str) else domain, finite
         self.V, self.dim = space(self.mesh), self.mesh.geometry.dim
         self.u, self.v = fem.Function(self.V, name="u"), ufl.TestFunction(self.V)
         self.dx, self.bc = ufl.dx(domain=self.mesh, degree=4), clamp(self.V)
@@ -94,9 +99,9 @@ def check_explicit():
     """On linear triangles the dilatation is constant in each cell: with and without averages steps are the same, and
     so are the stable steps. On squares the pressure locks less, and the body is softer."""
     for cell in ("triangle", "quadrilateral"):
-        runs = []
+        runs, domain = [], body(cell)
         for averaged in (True, False):
-            b = Averaged(cell, True)
+            b = Averaged(domain, True)
             residual = b.residual()
             if not averaged:
                 energy = b.shear(b.u) + 0.5 * BULK * b.dilatation(b.u) ** 2
@@ -164,9 +169,9 @@ def check_words():
         di.StaticProblem(b.u, residual=b.residual() + area, bcs=[b.bc])
     # Straight edges have an area: on squares the diameter over the root of two.
     results = []
+    square = mesh.create_unit_square(COMM, 2, 2, mesh.CellType.quadrilateral)
+    V = space(square)
     for kind in (ufl.FacetArea, lambda m: ufl.CellDiameter(m) / np.sqrt(2)):
-        square = mesh.create_unit_square(COMM, 2, 2, mesh.CellType.quadrilateral)
-        V = space(square)
         u, v = fem.Function(V, name="u"), ufl.TestFunction(V)
         springs = ufl.inner(u, v) / kind(square) * ufl.ds(degree=2)
         di.StaticProblem(u, residual=(ufl.inner(ufl.grad(u), ufl.grad(v)) - v[0]) * ufl.dx(degree=2) + springs).solve()

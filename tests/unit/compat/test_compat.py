@@ -217,3 +217,16 @@ def test_a_model_without_groups_is_refused(model):
     three_boxes(model, 2)
     with pytest.raises(RuntimeError, match="no physical group"):
         compat.model_to_mesh(model, SELF, gdim=2)
+
+
+def test_cells_of_two_kinds_and_groups_without_cells_are_refused(model):
+    """DOLFINx 0.9 aborts the process at nodes that no cell has whose kind it takes."""
+    boxes, _ = three_boxes(model, 2)
+    model.mesh.clear()
+    model.addPhysicalGroup(2, boxes, 1)
+    with pytest.raises(RuntimeError, match="no physical group that holds cells.*mesh the model"):
+        compat.model_to_mesh(model, SELF, gdim=2)
+    model.mesh.setRecombine(2, boxes[0])
+    model.mesh.generate(2)
+    with pytest.raises(ValueError, match=r"cells of 2 kinds \(Triangle 3, Quad\w* 4\)"):
+        compat.model_to_mesh(model, SELF, gdim=2)

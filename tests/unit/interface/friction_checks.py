@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Laws of friction in problems, on one rank and on several: tractions, motions, restart."""
 
+import functools
 import tempfile
 from pathlib import Path
 
@@ -92,11 +93,15 @@ def exact(of_velocity, end, h=1e-3):
     return h * np.arange(len(out)), np.array(out)
 
 
+@functools.cache
+def flat():
+    """One mesh for all blocks that are compared: DOLFINx may partition a second one otherwise."""
+    return mesh.create_rectangle(MPI.COMM_WORLD, [[0.0, 0.0], [1.0, HEIGHT]], [2, 1], mesh.CellType.quadrilateral)
+
+
 def block(kind, law=None):
     """A flat block on a moving floor, whose friction falls with the slip velocity."""
-    domain = mesh.create_rectangle(
-        MPI.COMM_WORLD, [[0.0, 0.0], [1.0, HEIGHT]], [2, 1], mesh.CellType.quadrilateral
-    )  # fmt: skip
+    domain = flat()
     V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
     sides = [mesh.locate_entities_boundary(domain, 1, lambda x, y=y: np.isclose(x[1], y)) for y in (0.0, HEIGHT)]
     facets, values = np.concatenate(sides), np.repeat([1, 2], [len(s) for s in sides]).astype(np.int32)

@@ -126,12 +126,11 @@ def check_a_bond_breaks_with_its_energy():
 
 def check_restart_of_static_problems():
     """A bond that was damaged goes on from a checkpoint as if it had never stopped."""
-    found = []
+    found, blocks = [], Blocks("quadrilateral", (3, 2), (4, 2))
     with tempfile.TemporaryDirectory() as folder:
         path = MPI.COMM_WORLD.bcast(Path(folder) / "bond.h5", root=0)
         for stops in (False, True):
-            blocks = Blocks("quadrilateral", (3, 2), (4, 2))
-            problem, top = pulled(blocks, bond())
+            problem, top = pulled(blocks.again(), bond())
             for k in range(1, 7):
                 top.x.array[:] = 0.0
                 top.x.array[1::2], top.x.array[0::2] = 1e-4 * k, 4e-5 * k
@@ -140,8 +139,7 @@ def check_restart_of_static_problems():
                     problem.save(path)
                     force, stored = problem.contact[0].force.copy(), problem.contact[0].stored_energy()
                     traction = problem.contact[0].traction.copy()
-                    blocks = Blocks("quadrilateral", (3, 2), (4, 2))
-                    problem, top = pulled(blocks, bond())
+                    problem, top = pulled(blocks.again(), bond())
                     problem.restore(path)
                     contact = problem.contact[0]
                     assert np.array_equal(contact.force, force) and np.allclose(contact.traction, traction, rtol=1e-13)
@@ -241,15 +239,15 @@ def _nodal_mass(blocks, nodes):
 
 def check_restart_of_explicit_runs():
     """An explicit run with a bond that is pulled apart goes on from a checkpoint to the last bit."""
-    found = []
+    found, blocks = [], Blocks("quadrilateral", (3, 2), (4, 2), narrow=0.1)
     with tempfile.TemporaryDirectory() as folder:
         path = MPI.COMM_WORLD.bcast(Path(folder) / "run.h5", root=0)
         for stops in (False, True):
-            run = _thrown_apart()
+            run = _thrown_apart(blocks.again())
             run.advance(until=60 * 2e-5, dt=2e-5, progress=False, energy_limits=None)
             if stops:
                 run.save(path)
-                run = _thrown_apart()
+                run = _thrown_apart(blocks.again())
                 run.restore(path)
             run.advance(until=180 * 2e-5, dt=2e-5, progress=False, energy_limits=None)
             found.append((run.u.x.array.copy(), run.energy, run.contact[0].traction.copy()))
@@ -289,9 +287,8 @@ def check_energy_where_nodes_leave_with_friction():
         assert abs(energy["drift"]) < 1e-11, (dim, cell, rigid, energy)
 
 
-def _thrown_apart():
+def _thrown_apart(blocks):
     """Two bonded blocks, the upper one thrown up and sideways."""
-    blocks = Blocks("quadrilateral", (3, 2), (4, 2), narrow=0.1)
     v = fem.Function(blocks.V)
     v.x.array.reshape(-1, 2)[np.unique(blocks.V.dofmap.list[_cells_above(blocks)])] = (0.6, 1.5)
     law = di.LinearElastic(E=1e6, nu=0.2, density=1.0, hypothesis="plane_strain")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import ufl
 from dolfinx import fem, mesh
+from empty_rank_checks import all_cells_on
 from mpi4py import MPI
 from partitioned_bodies import scattered
 
@@ -103,11 +104,16 @@ def check_bad_arguments():
     """Are refused on all ranks."""
     domain = mesh.create_unit_square(COMM, 4, 4)
     facets = mesh.meshtags(domain, 1, np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32))
+    others = mesh.create_unit_square(COMM, 2, 2)
+    foreign = mesh.meshtags(others, 1, np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32))
     for error, words, given in (
         (TypeError, "MeshTags", {"cell_tags": 3}),
         (ValueError, "dimension 2", {"cell_tags": facets}),
         (ValueError, "facet_tags", {"slave": [1]}),
+        (ValueError, "no facet of facet_tags has the tag 7", {"facet_tags": facets, "slave": 7}),
+        (ValueError, "facet_tags: the tags are of another mesh", {"facet_tags": foreign}),
         (ValueError, "node_cost", {"node_cost": -1.0}),
+        (ValueError, "all cells cost nothing", {"cell_cost": lambda x: 0.0 * x[:, 0]}),
         (ValueError, "negative", {"cell_cost": lambda x: -np.ones(len(x))}),
         (ValueError, "midpoints", {"cell_cost": lambda x: np.ones(3)}),
     ):
@@ -115,3 +121,22 @@ def check_bad_arguments():
             di.partition(domain, **given)
     with pytest.raises(TypeError, match="mesh"):
         di.partition(None)
+
+
+def check_ranks_without_cells():
+    """A rank that owns no cell of the mesh that is given, or of what is made of it."""
+    for owner in (0, COMM.size - 1):
+        given = {"partitioner": all_cells_on(owner)} if COMM.size > 1 else {}
+        domain = mesh.create_unit_square(COMM, 6, 4, mesh.CellType.quadrilateral, **given)
+        side = mesh.locate_entities_boundary(domain, 1, lambda x: np.isclose(x[1], 1.0))
+        tags = mesh.meshtags(domain, 1, side, np.full(len(side), 3, dtype=np.int32))
+        shared = di.partition(domain, None, tags, slave=3)
+        ds = ufl.ds(domain=shared.mesh, subdomain_data=shared.facet_tags)
+        found = [
+            fem.assemble_scalar(ffcx_form(fem.Constant(shared.mesh, 1.0) * d)) for d in (ufl.dx(shared.mesh), ds(3))
+        ]
+        assert np.allclose(COMM.allreduce(np.array(found)), 1.0, rtol=1e-13)
+        assert COMM.allreduce(shared.work) == 24 + 7 * NODE_COST and shared.mesh.topology.index_map(2).size_local > 0
+    one = di.partition(mesh.create_unit_cube(COMM, 1, 1, 1, mesh.CellType.hexahedron))
+    assert one.mesh.topology.index_map(3).size_global == 1 and COMM.allreduce(one.work) == 1.0
+    assert one.imbalance == pytest.approx(COMM.size - 1.0)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Tables as amplitudes of loads and supports and as motions of obstacles, on any number of ranks. See on_ranks.py."""
 
+import functools
+
 import numpy as np
 import pytest
 from dolfinx import fem, mesh
@@ -25,9 +27,15 @@ def linear(t):
     return float(np.interp(t, TIMES, VALUES))
 
 
+@functools.cache
+def square():
+    """One mesh for all runs that are compared: DOLFINx may partition a second one otherwise."""
+    return mesh.create_rectangle(COMM, [[0.0, 0.0], [1.0, 1.0]], [3, 3], mesh.CellType.quadrilateral)
+
+
 def run(kind, amplitude, motion, until=LAST):
     """A block above a floor that moves, drawn sideways at its head by a support, under a load."""
-    block = mesh.create_rectangle(COMM, [[0.0, 0.0], [1.0, 1.0]], [3, 3], mesh.CellType.quadrilateral)
+    block = square()
     V = fem.functionspace(block, ("Lagrange", 1, (2,)))
     sides = [mesh.locate_entities_boundary(block, 1, lambda x, y=y: np.isclose(x[1], y)) for y in (0.0, 1.0)]
     facets = np.concatenate(sides)

@@ -3,6 +3,8 @@
 trusses and surfaces in space; static, implicit and explicit, against DOLFINx alone, on the ranks of COMM_WORLD; see
 on_ranks.py."""
 
+import functools
+
 import basix.ufl
 import dolfinx.fem.petsc as petsc
 import h5py
@@ -66,11 +68,17 @@ if COMM.size > 1:
     STATIC, IMPLICIT, EXPLICIT = ROWS[2::2], ROWS[2::4], ROWS[3::4]
 
 
+@functools.cache
+def made(kind):
+    """One mesh for all models that are compared by their arrays: DOLFINx may partition a second one otherwise."""
+    return MESHES[kind]()
+
+
 class Model:
     """An unknown with stiffness, springs in the body and at the ends, that is not linear, held at x = 0."""
 
     def __init__(self, kind, degree, shape):
-        self.mesh = MESHES[kind]()
+        self.mesh = made(kind)
         self.V = fem.functionspace(self.mesh, ("Lagrange", degree, shape) if shape else ("Lagrange", degree))
         self.u, self.w = fem.Function(self.V, name="u"), ufl.TestFunction(self.V)
         self.shape, self.dx = shape, ufl.dx(domain=self.mesh, degree=3)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Problems solved by PETSc's nonlinear methods against the package's own. See on_ranks.py."""
 
+import functools
+
 import numpy as np
 import pytest
 from contact_checks import pressed
@@ -15,10 +17,15 @@ RTOL = 1e-12
 SAME = 1e-9  # a thousandfold of Newton's tolerance: the condition of some hundred unknowns
 
 
+@functools.cache
+def block():
+    """One mesh for all solutions that are compared: DOLFINx may partition a second one otherwise."""
+    return mesh.create_unit_cube(COMM, 3, 3, 3, mesh.CellType.hexahedron)
+
+
 def stretched(options=None, prefix="impact_static_", **arguments):
     """A block of rubber, stretched by 40 % and sheared; displacements and report."""
-    domain = mesh.create_unit_cube(COMM, 3, 3, 3, mesh.CellType.hexahedron)
-    V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
+    V = fem.functionspace(block(), ("Lagrange", 1, (3,)))
     ends = [fem.locate_dofs_geometrical(V, lambda x, z=z: np.isclose(x[2], z)) for z in (0.0, 1.0)]
     values = np.zeros(3), np.array([0.2, 0.0, 0.4])
     bcs = [fem.dirichletbc(value, dofs, V) for value, dofs in zip(values, ends)]

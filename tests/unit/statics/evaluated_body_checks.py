@@ -2,6 +2,8 @@
 """A plastic law that a user computes at quadrature points, with a tangent of the user's own, against J2Plasticity, on
 the ranks of COMM_WORLD; see on_ranks.py."""
 
+import functools
+
 import basix
 import basix.ufl
 import numpy as np
@@ -20,11 +22,17 @@ LAMBDA, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
 SAME = 1e-9  # of the largest displacement: Newton's tolerance is 1e-10 of the force
 
 
+@functools.cache
+def square():
+    """One mesh for both bodies that are compared: DOLFINx may partition a second one otherwise."""
+    return mesh.create_unit_square(COMM, 3, 3)
+
+
 class PointLaw:
     """Von Mises' plasticity in plane strain: radial return with linear hardening at the points of a rule, in NumPy."""
 
     def __init__(self):
-        self.mesh = mesh.create_unit_square(COMM, 3, 3)
+        self.mesh = square()
         self.V = space(self.mesh, 2)
         self.u, self.v, self.du = fem.Function(self.V, name="u"), ufl.TestFunction(self.V), ufl.TrialFunction(self.V)
         self.bcs = [clamp(self.V), clamp(self.V, value=1.0, displacement=(0.01, 0.004))]

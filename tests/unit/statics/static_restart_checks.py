@@ -73,11 +73,18 @@ class Two:
             load.constant.value[...] = 5.0
 
 
+def rectangle(comm):
+    """A body of triangles, one mesh for all problems of a communicator as well."""
+    if (comm.handle, "rectangle") not in MADE:
+        MADE[comm.handle, "rectangle"] = mesh.create_rectangle(comm, [[0.0, 0.0], [1.0, 0.5]], [4, 2])
+    return MADE[comm.handle, "rectangle"]
+
+
 class Mixed:
     """Displacement and pressure of a body that is nearly incompressible, by a residual of its own, with a dead load."""
 
     def __init__(self, comm):
-        domain = mesh.create_rectangle(comm, [[0.0, 0.0], [1.0, 0.5]], [4, 2])
+        domain = rectangle(comm)
         P2, P1 = (basix.ufl.element("P", "triangle", 2, shape=(2,)), basix.ufl.element("P", "triangle", 1))
         W = fem.functionspace(domain, basix.ufl.mixed_element([P2, P1]))
         self.u = fem.Function(W)

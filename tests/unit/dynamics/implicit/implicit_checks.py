@@ -55,10 +55,16 @@ def block_on_block(comm=COMM, contact="multipliers", law="linear", friction=0.3,
     return di.NewmarkProblem(u, LAWS[law](), velocity=v, loads=loads, contact=[CONTACTS[contact](pair)], **given)
 
 
+@functools.cache
+def bar_of(handle):
+    """One mesh for all bars, too."""
+    comm = COMM if handle == COMM.handle else MPI.COMM_SELF
+    return mesh.create_rectangle(comm, [[0.0, 0.0], [1.0, 0.2]], [8, 2], mesh.CellType.quadrilateral)
+
+
 def bar(comm=COMM, **options):
     """A bar that is free, thrown along its axis, or at rest while one end is driven."""
-    domain = mesh.create_rectangle(comm, [[0.0, 0.0], [1.0, 0.2]], [8, 2], mesh.CellType.quadrilateral)
-    V = fem.functionspace(domain, ("Lagrange", 1, (2,)))
+    V = fem.functionspace(bar_of(comm.handle), ("Lagrange", 1, (2,)))
     u, v = fem.Function(V), fem.Function(V)
     v.interpolate(lambda x: np.vstack([1.0 + 0.1 * x[0], 0.0 * x[0]]))
     law = options.pop("material", LAWS["linear"]())
