@@ -18,7 +18,7 @@ from typing import Any
 
 import ufl
 
-from . import averaged_pressure, materials
+from . import materials
 from .averaged_pressure import over_vertices
 
 # Share of the rest at the nodes. Cells alone (0) are too stiff in bending, nodes alone (1) too soft and without

@@ -215,8 +215,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
             self.add_average(std::move(average), std::move(displacement), of);
           },
           nb::arg("average"), nb::arg("displacement"), nb::arg("moduli").none() = nb::none(),
-          "Compute averages at the nodes before every evaluation, which is then collective. moduli: lambda and mu of a "
-          "stress of averaged strains, whose forces are added; None: kernels read the averages")
+          "Compute averages at the nodes before every evaluation, then collective. moduli: lambda, mu of their stress")
       .def_prop_ro("flops", &InternalForce::flops);
   nb::class_<NodalAverage>(m, "NodalAverage", "Averages at the nodes of a measure of the cells around them")
       .def(

@@ -52,9 +52,7 @@ class AveragedBodies:
         n: cells per side.
     """
 
-    def __init__(
-        self, cell: str, hypothesis: str, law: str, integration: str = AVERAGED_PRESSURE, n: int = 2
-    ) -> None:
+    def __init__(self, cell: str, hypothesis: str, law: str, integration: str = AVERAGED_PRESSURE, n: int = 2) -> None:
         domain = distorted_block.block(cell, n)
         plastic, finite = law.startswith("j2"), law == "j2.finite"
         self.steel: Any

@@ -76,15 +76,14 @@ void LinearSums::add_gradients(std::span<const double> A, std::size_t row, std::
   if (_measures != d + shear)
     throw std::invalid_argument("a node has " + std::to_string(_measures) + " sums: these are no strain");
   const double size = std::abs(gradient[0]) + std::abs(gradient[1]) + std::abs(gradient[2]);
-  for (int r = 0; r < _measures; ++r)
-    for (int c = 0; c < d; ++c)
-    {
-      // xx, yy, zz; xy, yz, xz: half the derivative along the other axis.
-      const int k = r - d, p = k == 1 ? 1 : 0, q = k == 0 ? 1 : 2;
-      const double strain = r < d ? (r == c ? gradient[c] : 0.0) : c == p ? gradient[q] / 2 : c == q ? gradient[p] / 2 : 0;
-      if (!(std::abs(at(r, c) - strain) <= 1e-12 * size)) // round-off of sums of a few products
-        throw std::invalid_argument("the sums of a node are not those of a strain");
-    }
+  for (int i = 0; i < d; ++i)
+    for (int j = i; j < d; ++j)
+      for (int c = 0; c < d; ++c)
+      {
+        const double strain = ((c == i ? gradient[j] : 0.0) + (c == j ? gradient[i] : 0.0)) / 2;
+        if (!(std::abs(at(strain_place(d, i, j), c) - strain) <= 1e-12 * size)) // round-off of sums of a few products
+          throw std::invalid_argument("the sums of a node are not those of a strain");
+      }
 }
 
 /// Columns of each row: first those of every cell, then each of them once.

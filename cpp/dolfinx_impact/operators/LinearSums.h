@@ -15,17 +15,18 @@ struct IsotropicModuli
   double lambda = 0.0, mu = 0.0;
 };
 
-/// Sums over cells at nodes that are linear in a field, as those of tr(eps) N_a or of the strain eps N_a: a row for each
-/// node with the integral of N_a grad N_b for each node b that shares a cell with it. The strain's sums have the entries
-/// of those of its trace. To multiply by it takes a third (in cache) to a half (from memory) of the time of a sweep over
-/// linear tetrahedra, for 24 bytes and a node's number for each of these neighbours: about 80 bytes a tetrahedron.
+/// Sums over cells at nodes that are linear in a field, as those of tr(eps) N_a or of the strain eps N_a: a row for
+/// each node with the integral of N_a grad N_b for each node b that shares a cell with it. The strain's sums have the
+/// entries of those of its trace. To multiply by it takes a third (in cache) to a half (from memory) of the time of a
+/// sweep over linear tetrahedra, for 24 bytes and a node's number for each of these neighbours: about 80 bytes a
+/// tetrahedron.
 ///
 /// Strains are vectors of their normal components, then xy, in space yz and xz.
 class LinearSums
 {
 public:
-  /// @param[in] integrals kernels of rank 1 without internal variables, linear in the field, of one value for each node,
-  ///   or of the components of the field's strain
+  /// @param[in] integrals kernels of rank 1 without internal variables, linear in the field, of one value for each
+  ///   node, or of the components of the field's strain
   /// @param[in] field name that the kernels have for it; other coefficients are taken as zero
   /// @throws std::invalid_argument if a kernel has no coefficient of that name or internal variables, kernels differ
   ///   in the number of its components, or several values of a node are not those of a strain
@@ -58,8 +59,8 @@ private:
                      double* to) const;
   void check_size(std::span<const double> sums) const;
 
-  int _components = 0; ///< of the field
-  int _measures = 1;   ///< values of a node that are summed up
+  int _components = 0;                ///< of the field
+  int _measures = 1;                  ///< values of a node that are summed up
   std::vector<std::size_t> _ends;     ///< of each row among the columns
   std::vector<std::int32_t> _columns; ///< nodes of the field, in increasing order in each row
   std::vector<double> _entries;       ///< those of a column one after the other

@@ -11,8 +11,8 @@
 
 namespace dolfinx_impact::operators
 {
-/// Averages at the nodes of a measure m of the cells, for example the logarithm of the volume ratio or the components of
-/// the strain: the lumped projection on functions of degree 1,
+/// Averages at the nodes of a measure m of the cells, for example the logarithm of the volume ratio or the components
+/// of the strain: the lumped projection on functions of degree 1,
 ///
 ///     average_a = (integral of m N_a) / (integral of N_a).
 ///

@@ -60,12 +60,6 @@ IMPACT_PART_OF_ROWS void add_force(const GradientRows& rows, std::size_t begin, 
   }
 }
 
-/// Place of a shear strain in the vector of a strain: xy, yz, xz.
-constexpr int place_of(int d, int c, int i)
-{
-  return c == i ? c : d == 2 || c + i == 1 ? d : c + i == 3 ? 4 : 5;
-}
-
 template <int d, int S>
 IMPACT_PART_OF_ROWS NodeTensor<d, S> stress_of(const IsotropicModuli& moduli, const double (&strain)[d][d])
 {
@@ -90,7 +84,7 @@ IMPACT_PART_OF_ROWS void each_strain_row(const GradientRows& rows, const StrainR
     if (of.shared[row])
       for (int c = 0; c < d; ++c)
         for (int i = c; i < d; ++i)
-          of.sums[measures * row + place_of(d, c, i)] = (H.at[c][i] + H.at[i][c]) / 2;
+          of.sums[measures * row + strain_place(d, c, i)] = (H.at[c][i] + H.at[i][c]) / 2;
     else
     {
       double strain[d][d];
@@ -128,7 +122,7 @@ void forces_of(const GradientRows& rows, std::span<const std::int32_t> nodes, co
     double strain[d][d];
     for (int c = 0; c < d; ++c)
       for (int i = 0; i < d; ++i)
-        strain[c][i] = means[measures * std::size_t(node) + place_of(d, c, i)];
+        strain[c][i] = means[measures * std::size_t(node) + strain_place(d, c, i)];
     add_force<d, S>(rows, node == 0 ? 0 : rows.ends[node - 1], rows.ends[node], stress_of<d, S>(moduli, strain), b);
   }
 }
@@ -170,3 +164,4 @@ void forces_of_rows(const GradientRows& rows, int components, int stride, std::s
     refuse(components, stride);
 }
 } // namespace dolfinx_impact::operators
+#undef IMPACT_PART_OF_ROWS

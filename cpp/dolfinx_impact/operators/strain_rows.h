@@ -7,6 +7,12 @@
 
 namespace dolfinx_impact::operators
 {
+/// Place of the component (i, j) in the vector of a strain: normal ones, then xy, in space yz and xz.
+constexpr int strain_place(int dim, int i, int j)
+{
+  return i == j ? i : dim == 2 || i + j == 1 ? dim : i + j == 3 ? 4 : 5;
+}
+
 /// Matrix of LinearSums: for each row the integrals of N_a grad N_b, one column after the other.
 struct GradientRows
 {
@@ -18,9 +24,9 @@ struct GradientRows
 /// What LinearSums::add_forces reads and writes. Of shared rows, sums only.
 struct StrainRows
 {
-  IsotropicModuli moduli;
-  std::span<const double> inverse_volumes;
-  std::span<const std::int8_t> shared;
+  IsotropicModuli moduli{};
+  std::span<const double> inverse_volumes{};
+  std::span<const std::int8_t> shared{};
   const double* values = nullptr;
   double* sums = nullptr;
   double* b = nullptr;

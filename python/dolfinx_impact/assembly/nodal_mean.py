@@ -49,7 +49,7 @@ class NodalMean(Function):
         hypothesis = material.hypothesis_on(mesh)
         degree, geometry_degree = V.element.basix_element.degree, compat.coordinate_element(mesh).degree
         averaged_pressure.check(mesh.topology.cell_name(), degree, geometry_degree, hypothesis, material.integration)
-        kind = None if isinstance(material, InelasticMaterial) else _law_class(material, mesh)
+        kind: Any = None if isinstance(material, InelasticMaterial) else _law_class(material, mesh)
         super().__init__(_space_of(u, 1 if kind is None else kind.num_means(mesh.geometry.dim)), name=name)
         self.displacement, self.material = u, material
         self.own_average: Any = None
