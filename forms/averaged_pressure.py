@@ -37,7 +37,7 @@ HYPOTHESES = ("3d", "plane_strain")
 OWN_SHARE = 0.001
 
 
-def check(cell: str, degree: int, geometry_degree: int, hypothesis: str) -> None:
+def check(cell: str, degree: int, geometry_degree: int, hypothesis: str, integration: str) -> None:
     """Raise ValueError unless averages at the nodes are for these cells.
 
     Args:
@@ -45,15 +45,16 @@ def check(cell: str, degree: int, geometry_degree: int, hypothesis: str) -> None
         degree: degree of the displacement [1].
         geometry_degree: degree of the geometry [1].
         hypothesis: one of materials.HYPOTHESES.
+        integration: what asks for averages, "averaged_pressure" or "averaged_strain".
     """
     if cell not in CELLS or degree != 1 or geometry_degree != 1:
         raise ValueError(
-            f'integration="averaged_pressure" is for tetrahedra and triangles of degree 1; these are {cell} cells of '
+            f'integration="{integration}" is for tetrahedra and triangles of degree 1; these are {cell} cells of '
             f'degree {degree}, of geometry degree {geometry_degree}: use integration="full"'
         )
     if hypothesis not in HYPOTHESES:
         raise ValueError(
-            f'integration="averaged_pressure" is for {" and ".join(HYPOTHESES)}, the hypothesis is {hypothesis!r}: use '
+            f'integration="{integration}" is for {" and ".join(HYPOTHESES)}, the hypothesis is {hypothesis!r}: use '
             'integration="full"'
         )
 
@@ -62,21 +63,21 @@ def vertex_values(mean: Any) -> list[Any]:
     """Values of a function of degree 1 at the vertices of a cell, as expressions at its midpoint.
 
     Args:
-        mean: the function.
+        mean: the function, a scalar or a vector.
     """
     mesh = ufl.domain.extract_unique_domain(mean)
     slope = ufl.dot(ufl.grad(mean), ufl.Jacobian(mesh))  # differences from the first vertex
-    n = slope.ufl_shape[0]
-    first = mean - sum(slope[i] for i in range(n)) / (n + 1)
-    return [first] + [first + slope[i] for i in range(n)]
+    n = slope.ufl_shape[-1]
+    first = mean - sum((slope[..., i] for i in range(1, n)), slope[..., 0]) / (n + 1)
+    return [first] + [first + slope[..., i] for i in range(n)]
 
 
 def over_vertices(of: Callable[[Any], Any], mean: Any) -> Any:
     """Mean over the vertices of a cell of what a function gives for the value of `mean` there.
 
     Args:
-        of: function of a scalar.
-        mean: function of degree 1.
+        of: function of a value.
+        mean: function of degree 1, a scalar or a vector.
     """
     values = vertex_values(mean)
     return sum(of(value) for value in values) / len(values)
@@ -98,6 +99,11 @@ class LinearElastic(materials.LinearElastic):
     def __init__(self, E: Any, nu: Any, hypothesis: str, mean: Any) -> None:
         super().__init__(E, nu, hypothesis)
         self.mean = mean
+
+    @staticmethod
+    def num_means(dim: int) -> int:
+        """Number of means of a node."""
+        return 1
 
     def measure(self, u: Any) -> Any:
         """What is averaged [1]."""
@@ -133,6 +139,11 @@ class NeoHookean(materials.NeoHookean):
         super().__init__(E, nu, hypothesis)
         self.mean = mean
 
+    @staticmethod
+    def num_means(dim: int) -> int:
+        """Number of means of a node."""
+        return 1
+
     def _state(self, u: Any) -> tuple[Any, Any, Any]:
         return ufl.Identity(3) + self.gradient(u), self.mean, None
 
@@ -156,11 +167,15 @@ def average(measure: Any, test: Any, hypothesis: str, dx: Any) -> Any:
 
     Args:
         measure: of the change of volume.
-        test: test function of degree 1.
+        test: test function of degree 1; of a vector of means one with a component for each.
         hypothesis: one of HYPOTHESES.
         dx: measure of the cells.
     """
-    return measure * test * weight(ufl.domain.extract_unique_domain(test), hypothesis) * dx
+    if test.ufl_shape:
+        tested = ufl.inner(ufl.as_vector([1] * len(test)) if measure == 1 else measure, test)
+    else:
+        tested = measure * test
+    return tested * weight(ufl.domain.extract_unique_domain(test), hypothesis) * dx
 
 
 # --- laws with internal variables ------------------------------------------------------------------------------------

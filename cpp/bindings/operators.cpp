@@ -204,8 +204,18 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
               self.assemble({b.data(), b.size()});
           },
           nb::arg("b").noconvert(), nb::arg("times"), "Assemble several times in a row (for timing)")
-      .def("add_average", &InternalForce::add_average, nb::arg("average"), nb::arg("displacement"),
-           "Compute averages at the nodes before every evaluation, which is then collective")
+      .def(
+          "add_average",
+          [](InternalForce& self, std::shared_ptr<NodalAverage> average, std::string displacement,
+             std::optional<std::array<double, 2>> moduli)
+          {
+            std::optional<IsotropicModuli> of;
+            if (moduli)
+              of = IsotropicModuli{(*moduli)[0], (*moduli)[1]};
+            self.add_average(std::move(average), std::move(displacement), of);
+          },
+          nb::arg("average"), nb::arg("displacement"), nb::arg("moduli").none() = nb::none(),
+          "Compute averages at the nodes before every evaluation, then collective. moduli: lambda, mu of their stress")
       .def_prop_ro("flops", &InternalForce::flops);
   nb::class_<NodalAverage>(m, "NodalAverage", "Averages at the nodes of a measure of the cells around them")
       .def(

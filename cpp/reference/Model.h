@@ -51,6 +51,8 @@ public:
   /// lambda (tr eps)^2 / 2 or lambda (ln J)^2 / 2. There is no tangent then.
   /// @throws std::invalid_argument for cells, hypotheses and laws that this is not for
   void average_pressure();
+  /// The same, and a share of 0.6 of the other part of the energy with strains averaged at the nodes (NodalStrain.h).
+  void average_strain();
   /// Stress at the points of every cell, rows cell-major, and the positions of these points.
   std::array<Matrix, 2> stress(const Rule& rule, const Vector& u) const;
 
@@ -114,7 +116,7 @@ private:
   std::vector<Material> materials_;
   std::vector<int> tags_, material_of_cell_; // tags of the materials
   Hypothesis hypothesis_;
-  bool linear_, on_foundation_ = false, averages_pressure_ = false;
+  bool linear_, on_foundation_ = false, averages_pressure_ = false, averages_strain_ = false;
   Csr springs_, dashpots_, added_mass_;
 };
 } // namespace impact_reference

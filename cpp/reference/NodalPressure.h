@@ -40,13 +40,16 @@ public:
   /// The same with means over each cell alone: forces that plain cells have.
   Answer in_cells(const Vector& u, bool small, const std::function<Law(int)>& law) const;
 
-private:
   struct Volume
   {
     double value;
     Matrix slope; ///< by the positions of the vertices (num_vertices, gdim) [L^(d-1)]
   };
+  /// Of a simplex.
+  /// @param x positions of its vertices (num_vertices, gdim) [L]
   static Volume volume(const Matrix& x);
+
+private:
   Answer evaluate(const Vector& u, bool small, const std::function<Law(int)>& law, bool nodes) const;
 
   const Model& model_;

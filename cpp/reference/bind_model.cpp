@@ -54,6 +54,7 @@ void bind_model(nb::module_& m)
       .def("foundation",
            [](const Model& s, P p, W w, const Cells& facets, V k) { return s.foundation({p, w}, facets, k); })
       .def("average_pressure", &Model::average_pressure)
+      .def("average_strain", &Model::average_strain)
       .def("add_mass", &Model::add_mass)
       .def("add_foundation", &Model::add_foundation)
       .def_prop_ro(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "Model.h"
 #include "NodalPressure.h"
+#include "NodalStrain.h"
 #include <algorithm>
 #include <stdexcept>
 
@@ -162,14 +163,30 @@ Csr Model::damping(const Rule& rule, const Rule& mass_rule, double alpha, double
 
 namespace
 {
-// Energy and force of the pressures at the nodes.
-NodalPressure::Answer nodal_answer(const Model& model, const Vector& u)
+constexpr double share_of_nodes = 0.6; // of the shear modulus, with averaged strains
+
+// Energy and force of the pressures at the nodes, and of their strains.
+NodalPressure::Answer nodal_answer(const Model& model, const Vector& u, bool with_strains)
 {
   std::map<int, NodalPressure::Law> laws;
+  std::map<int, NodalStrain::Law> strain_laws;
   for (std::int64_t c = 0; c < model.num_cells(); ++c)
     if (not laws.contains(model.tag(c)))
-      laws[model.tag(c)] = squared_law(lame(model.material(c))[0], model.linear());
-  return NodalPressure(model).at_nodes(u, model.linear(), [&](int tag) { return laws.at(tag); });
+    {
+      const auto [lambda, mu] = lame(model.material(c));
+      laws[model.tag(c)] = squared_law(lambda, model.linear());
+      const double own = share_of_nodes * mu;
+      strain_laws[model.tag(c)] = model.linear() ? squared_strain_law(own) : stretched_law(own);
+    }
+  NodalPressure::Answer answer =
+      NodalPressure(model).at_nodes(u, model.linear(), [&](int tag) { return laws.at(tag); });
+  if (with_strains)
+  {
+    const NodalPressure::Answer strains = NodalStrain(model).at_nodes(u, [&](int tag) { return strain_laws.at(tag); });
+    answer.energy += strains.energy;
+    answer.force += strains.force;
+  }
+  return answer;
 }
 } // namespace
 
@@ -182,12 +199,18 @@ void Model::average_pressure()
   averages_pressure_ = true;
 }
 
+void Model::average_strain()
+{
+  average_pressure();
+  averages_strain_ = true;
+}
+
 Material Model::own_material(std::int64_t cell) const
 {
   Material own = material(cell);
-  if (averages_pressure_) // the same shear modulus, and lambda = 0
+  if (averages_pressure_) // the same shear modulus, or the share that is left of it, and lambda = 0
   {
-    own.E = 2 * lame(own)[1];
+    own.E = 2 * lame(own)[1] * (averages_strain_ ? 1 - share_of_nodes : 1);
     own.nu = 0;
   }
   return own;
@@ -201,7 +224,7 @@ double Model::energy(const Rule& rule, const Vector& u) const
   for (std::int64_t c = 0; c < geometry_.cells.rows(); ++c)
     sum += internal(s, cell_points(c), own_material(c), gather(u, c), false, c).energy;
   if (averages_pressure_)
-    sum += nodal_answer(*this, u).energy;
+    sum += nodal_answer(*this, u, averages_strain_).energy;
   return sum + u.dot(springs_.dot(u)) / 2;
 }
 
@@ -212,7 +235,7 @@ Vector Model::internal_force(const Rule& rule, const Vector& u) const
   Vector force = assemble_vector(gdim(), [&](const Matrix& X, std::int64_t c)
                                  { return internal(s, X, own_material(c), gather(u, c), false, c).force; });
   if (averages_pressure_)
-    force += nodal_answer(*this, u).force;
+    force += nodal_answer(*this, u, averages_strain_).force;
   return force + springs_.dot(u);
 }
 

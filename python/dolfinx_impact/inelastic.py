@@ -9,7 +9,7 @@ from dolfinx.mesh import Mesh
 
 from .forms import inelastic
 from .forms import materials as laws
-from .materials import REDUCED, _Material
+from .materials import AVERAGED_STRAIN, REDUCED, _Material
 
 # What `respond` of a law of one's own returns.
 MaterialUpdate = inelastic.Update
@@ -27,7 +27,7 @@ class InelasticMaterial(_Material):
         density: None where no mass is asked for [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric".
         integration: "full"; or "averaged_pressure", for laws that give the mean stress of their update, on tetrahedra
-            and triangles of degree 1. One point with hourglass control is refused.
+            and triangles of degree 1. One point with hourglass control and averaged strains are refused.
 
     Attributes:
         finite_strain: whether the law sees the deformation gradient instead of the small strain.
@@ -54,6 +54,12 @@ class InelasticMaterial(_Material):
                 f"{type(self).__name__} has internal variables: one point with hourglass control (integration="
                 "'reduced') would keep the elastic stiffness of the hourglass modes while the material flows. Take "
                 "integration='full', which averages the dilatation of each cell and does not lock"
+            )
+        if integration == AVERAGED_STRAIN:
+            raise ValueError(
+                f"{type(self).__name__} has internal variables, in the cells: strains averaged at the nodes "
+                "(integration='averaged_strain') would need histories of the nodes' own. Take "
+                "integration='averaged_pressure', which does not lock"
             )
         super()._check_integration(integration, hypothesis)
 

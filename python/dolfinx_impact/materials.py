@@ -21,8 +21,9 @@ from .common.fixed import Fixed
 from .forms import materials as laws
 
 
-FULL, REDUCED, AVERAGED_PRESSURE = "full", "reduced", "averaged_pressure"
-INTEGRATIONS = (FULL, REDUCED, AVERAGED_PRESSURE)
+FULL, REDUCED, AVERAGED_PRESSURE, AVERAGED_STRAIN = "full", "reduced", "averaged_pressure", "averaged_strain"
+AVERAGED = (AVERAGED_PRESSURE, AVERAGED_STRAIN)  # at the nodes
+INTEGRATIONS = (FULL, REDUCED, *AVERAGED)
 NOT_AXISYMMETRIC = (
     "integration='reduced' is not for axisymmetric bodies: the hoop strain u/r is no part of the mean gradient. Take "
     "integration='full'"
@@ -62,8 +63,9 @@ class _Material(Fixed):
         density: None where no mass is asked for; zero, of a body without weight, in static problems only [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric" (x is the radius).
         integration: "full"; "reduced", one point and hourglass control, on quadrilaterals and hexahedra of degree 1
-            (docs/one_point.md); or "averaged_pressure", the mean stress by averages at the nodes, for tetrahedra and
-            triangles of degree 1 that do not lock (docs/averaged_pressure.md).
+            (docs/one_point.md); "averaged_pressure", the mean stress by averages at the nodes, for tetrahedra and
+            triangles of degree 1 that do not lock; or "averaged_strain", a share of the whole stress by averages, for
+            such cells that bend (docs/averaged_pressure.md).
 
     Raises:
         ValueError: a value outside its range; the message says which and what to do.
@@ -153,9 +155,9 @@ class _Material(Fixed):
         """The law in UFL with parameters as constants of the mesh (forms/materials.py).
 
         Raises:
-            TypeError: the pressure is averaged at the nodes, and is no function of a cell's displacement.
+            TypeError: the stress is averaged at the nodes, and is no function of a cell's displacement.
         """
-        if self.integration == AVERAGED_PRESSURE:
+        if self.integration in AVERAGED:
             raise TypeError(
                 f"the stress of {self!r} needs averages over the cells around nodes: give the material to a problem, "
                 "and read `problem.stress`"

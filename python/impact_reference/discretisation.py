@@ -48,6 +48,7 @@ class Discretisation:
         materials: material of every tag.
         averaged_pressure: average the volumetric part at the nodes in energy and internal force
             (docs/averaged_pressure.md): tetrahedra and triangles of degree 1; there is no tangent then.
+        averaged_strain: the same, and 0.6 of the other part with strains averaged at the nodes.
 
     Raises:
         ValueError: data out of range, connectivity that does not fit, unused points, inverted or empty cells.
@@ -68,6 +69,7 @@ class Discretisation:
         cell_tags: ArrayLike | None = None,
         materials: Mapping[int, Material] | None = None,
         averaged_pressure: bool = False,
+        averaged_strain: bool = False,
     ) -> None:
         if (material is None) == (materials is None):
             raise ValueError("give either one material or materials={tag: Material}")
@@ -95,6 +97,8 @@ class Discretisation:
         )
         if averaged_pressure:
             self._model.average_pressure()
+        if averaged_strain:
+            self._model.average_strain()
         self.points = points
         self.cells = np.asarray(cells)
         self.field_points: FloatArray = self._model.field_points

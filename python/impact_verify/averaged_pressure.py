@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Bodies of linear simplices with averaged pressure on both sides: equilibria and explicit runs.
+"""Bodies of linear simplices with averaged pressure or strain on both sides: equilibria and explicit runs.
 
 Rows of the levels solution and history. The hand-written solver has no tangent of these bodies: its internal force at
 our equilibria must be ours.
@@ -14,7 +14,7 @@ import impact_reference as ref
 import numpy as np
 from dolfinx import fem
 
-from dolfinx_impact.materials import AVERAGED_PRESSURE, LinearElastic, NeoHookean
+from dolfinx_impact.materials import AVERAGED_PRESSURE, AVERAGED_STRAIN, LinearElastic, NeoHookean
 from dolfinx_impact.own_forms import distorted_block
 from dolfinx_impact.plasticity import J2Plasticity
 from . import differences, matched_body, plastic_bodies
@@ -26,14 +26,18 @@ E, NU, Y, SLOPE, DENSITY = 2.0, 0.45, plastic_bodies.Y, 0.02, 1.5
 NUM_STEPS = 200
 LAWS = {"linear_elastic": LinearElastic, "neo_hookean": NeoHookean}
 
-# cell, hypothesis, law
+# cell, hypothesis, law, integration
 BODIES = (
-    ("tetrahedron", "3d", "linear_elastic"),
-    ("tetrahedron", "3d", "neo_hookean"),
-    ("tetrahedron", "3d", "j2.small"),
-    ("tetrahedron", "3d", "j2.finite"),
-    ("triangle", "plane_strain", "neo_hookean"),
-    ("triangle", "plane_strain", "j2.finite"),
+    ("tetrahedron", "3d", "linear_elastic", AVERAGED_PRESSURE),
+    ("tetrahedron", "3d", "neo_hookean", AVERAGED_PRESSURE),
+    ("tetrahedron", "3d", "j2.small", AVERAGED_PRESSURE),
+    ("tetrahedron", "3d", "j2.finite", AVERAGED_PRESSURE),
+    ("triangle", "plane_strain", "neo_hookean", AVERAGED_PRESSURE),
+    ("triangle", "plane_strain", "j2.finite", AVERAGED_PRESSURE),
+    ("tetrahedron", "3d", "linear_elastic", AVERAGED_STRAIN),
+    ("tetrahedron", "3d", "neo_hookean", AVERAGED_STRAIN),
+    ("triangle", "plane_strain", "linear_elastic", AVERAGED_STRAIN),
+    ("triangle", "plane_strain", "neo_hookean", AVERAGED_STRAIN),
 )
 
 
@@ -44,10 +48,11 @@ class AveragedBodies:
         cell: cell, of degree 1.
         hypothesis: hypothesis of the material.
         law: a name of LAWS, "j2.small" or "j2.finite".
+        integration: what is averaged, of elastic laws AVERAGED_PRESSURE or AVERAGED_STRAIN.
         n: cells per side.
     """
 
-    def __init__(self, cell: str, hypothesis: str, law: str, n: int = 2) -> None:
+    def __init__(self, cell: str, hypothesis: str, law: str, integration: str = AVERAGED_PRESSURE, n: int = 2) -> None:
         domain = distorted_block.block(cell, n)
         plastic, finite = law.startswith("j2"), law == "j2.finite"
         self.steel: Any
@@ -56,11 +61,12 @@ class AveragedBodies:
                 E, NU, DENSITY, Y, SLOPE, finite_strain=finite, hypothesis=hypothesis, integration=AVERAGED_PRESSURE
             )
         else:
-            self.steel = LAWS[law](E, NU, DENSITY, hypothesis, AVERAGED_PRESSURE)
+            self.steel = LAWS[law](E, NU, DENSITY, hypothesis, integration)
         rule: TheirRule = basix.make_quadrature(getattr(basix.CellType, cell), 0)
         rules: dict[str, TheirRule] = {"stiffness": rule, "finite_strain": rule}  # masses keep their default rule
         name = "linear_elastic" if plastic else law
-        self.body = matched_body.Body(domain, 1, self.steel, name, rules, averaged_pressure=not plastic)
+        averaged = {} if plastic else {integration: True}
+        self.body = matched_body.Body(domain, 1, self.steel, name, rules, **averaged)
         self.other: Any = self.body.model
         if plastic:
             parameters = ref.J2Parameters(E, NU, yield_stress=Y, hardening=SLOPE)
@@ -68,7 +74,7 @@ class AveragedBodies:
             self.other = ref.PlasticBody(self.body.model, parameters, strain, averaged_pressure=True)
         self.plastic = plastic
         self.u = fem.Function(self.body.V, name="u")
-        self.form = f"{law}.averaged_pressure"
+        self.form = f"{law}.{integration}"
         self.element = (cell, 1, 1, hypothesis)
 
 

@@ -79,6 +79,7 @@ class Body:
         law: name of the law for the other side.
         rule: rule of the other side, or rules by purpose; None takes its default.
         averaged_pressure: whether the other side averages the pressure of an elastic law at the nodes.
+        averaged_strain: whether it averages the strain, too.
     """
 
     def __init__(
@@ -89,6 +90,7 @@ class Body:
         law: str = "linear_elastic",
         rule: nodes.TheirRule | dict[str, nodes.TheirRule] = None,
         averaged_pressure: bool = False,
+        averaged_strain: bool = False,
     ) -> None:
         self.mesh, self.degree, self.material = domain, degree, material
         self.gdim: int = domain.geometry.dim
@@ -115,6 +117,7 @@ class Body:
             geometry_degree=self.geometry_degree,
             rule=rule,
             averaged_pressure=averaged_pressure,
+            averaged_strain=averaged_strain,
         )
         size = float(np.ptp(self.points, axis=0).max())
         at = match_nodes(self.V.tabulate_dof_coordinates()[:, : self.gdim], self.model.field_points, size)

@@ -40,6 +40,8 @@ public:
   std::int32_t num_owned() const { return _map->size_local(); }
   /// Ghosts that take part in exchanges.
   std::int32_t num_exchanged_ghosts() const { return std::int32_t(_ghosts.size()); }
+  /// Owned nodes that neighbours have as ghosts, those of one neighbour after those of another.
+  std::span<const std::int32_t> sent_nodes() const { return _owned; }
   /// Owned nodes and ghosts.
   std::int32_t num_nodes() const { return _map->size_local() + _map->num_ghosts(); }
 

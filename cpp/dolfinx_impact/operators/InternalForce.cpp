@@ -48,6 +48,9 @@ void InternalForce::assemble(std::span<double> b, bool padded) const
   update_averages();
   for (const Batches& batches : _batches)
     batches.run(b.data(), padded ? padded_stride(batches.block_size()) : batches.block_size());
+  for (const Averaged& one : _averages)
+    if (one.moduli)
+      one.average->add_forces(*one.moduli, b, stride);
 }
 
 void InternalForce::assemble(std::span<double> b) const
@@ -64,28 +67,30 @@ void InternalForce::read(const std::string& name, const double* values, int stri
 {
   for (Batches& batches : _batches)
     batches.read(name, values, stride);
-  for (const auto& [displacement, average] : _averages)
-    if (displacement == name)
-      average->read(values, stride);
+  for (const Averaged& one : _averages)
+    if (one.displacement == name)
+      one.average->read(values, stride);
 }
 
 void InternalForce::read_positions(const NodePositions* positions)
 {
   for (Batches& batches : _batches)
     batches.read_positions(positions);
-  for (const auto& [displacement, average] : _averages)
-    average->read_positions(positions);
+  for (const Averaged& one : _averages)
+    one.average->read_positions(positions);
 }
 
-void InternalForce::add_average(std::shared_ptr<NodalAverage> average, std::string displacement)
+void InternalForce::add_average(std::shared_ptr<NodalAverage> average, std::string displacement,
+                                const std::optional<IsotropicModuli>& moduli)
 {
-  _averages.emplace_back(std::move(displacement), std::move(average));
+  _averages.push_back({std::move(displacement), std::move(average), moduli});
 }
 
 void InternalForce::update_averages() const
 {
-  for (const auto& [displacement, average] : _averages)
-    average->update();
+  for (const Averaged& one : _averages)
+    if (!one.moduli)
+      one.average->update();
 }
 
 void InternalForce::apply(dolfinx::la::Vector<double>& b) const

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "Batches.h"
+#include "LinearSums.h"
 #include <dolfinx/la/Vector.h>
+#include <optional>
 
 namespace dolfinx_impact::operators
 {
@@ -58,7 +60,10 @@ public:
   /// collective.
   /// @param[in] average what is computed
   /// @param[in] displacement name that this operator's kernels have for the displacement of the averages
-  void add_average(std::shared_ptr<NodalAverage> average, std::string displacement);
+  /// @param[in] moduli of a stress of the averages, of which no kernel reads: its forces are added
+  ///   (NodalAverage::add_forces). Null: kernels read the averages
+  void add_average(std::shared_ptr<NodalAverage> average, std::string displacement,
+                   const std::optional<IsotropicModuli>& moduli = std::nullopt);
 
   /// Space of the result; null for a form of rank 0.
   const std::shared_ptr<const FunctionSpace>& test_space() const { return _test; }
@@ -115,6 +120,13 @@ private:
   std::shared_ptr<const Mesh> _mesh;
   std::shared_ptr<const FunctionSpace> _test;
   std::vector<Batches> _batches;
-  std::vector<std::pair<std::string, std::shared_ptr<NodalAverage>>> _averages; ///< with their displacements' names
+  /// Averages, with the name of their displacement.
+  struct Averaged
+  {
+    std::string displacement;
+    std::shared_ptr<NodalAverage> average;
+    std::optional<IsotropicModuli> moduli;
+  };
+  std::vector<Averaged> _averages;
 };
 } // namespace dolfinx_impact::operators

@@ -186,7 +186,9 @@ void KernelTangent::add(AverageTerm& term, const BoundaryConditions& bcs, bool n
   PetscInt owned = 0;
   check(VecGetLocalSize(scale, &owned), "volumes of nodes");
   check(VecGetArray(scale, &values), "volumes of nodes");
-  std::copy_n(term.average->inverse_volumes().begin(), owned, values);
+  const std::size_t num_averages = std::size_t(term.average->block_size());
+  for (PetscInt i = 0; i < owned; ++i)
+    values[i] = term.average->inverse_volumes()[std::size_t(i) / num_averages];
   check(VecRestoreArray(scale, &values), "volumes of nodes");
   check(MatDiagonalScale(term.measure->matrix(), scale, nullptr), "derivative of averages");
   Mat product = nullptr;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "LinearSums.h"
+#include "strain_rows.h"
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -33,10 +35,11 @@ LinearSums::LinearSums(std::span<const Batches> integrals, const std::string& fi
 {
   for (const Batches& batches : integrals)
   {
-    const int components = batches.nodes_of(field).block_size;
-    if (_components != 0 && components != _components)
-      throw std::invalid_argument("kernels differ in the number of components of " + field);
+    const int components = batches.nodes_of(field).block_size, measures = batches.block_size();
+    if (_components != 0 && (components != _components || measures != _measures))
+      throw std::invalid_argument("kernels differ in the number of components of " + field + " or of their values");
     _components = components;
+    _measures = measures;
   }
   if (_components != 2 && _components != 3 && !integrals.empty())
     throw std::invalid_argument("sums that are linear in " + field + " are for fields with two or three components");
@@ -49,13 +52,38 @@ LinearSums::LinearSums(std::span<const Batches> integrals, const std::string& fi
         {
           for (std::size_t i = 0; i < rows.size(); ++i)
             for (std::size_t j = 0; j < columns.size(); ++j)
-            {
-              double* to = _entries.data() + _components * entry(rows[i], columns[j]);
-              const double* from = A.data() + _components * (i * columns.size() + j);
-              for (int c = 0; c < _components; ++c)
-                to[c] += from[c];
-            }
+              add_gradients(A, i, j, columns.size(), _entries.data() + _components * entry(rows[i], columns[j]));
         });
+}
+
+/// Adds the integral of N_a grad N_b, which the trace of what is summed up has as its coefficients.
+/// @param A matrix of a cell, rows first
+/// @param row number a of the cell's nodes
+/// @param column number b
+void LinearSums::add_gradients(std::span<const double> A, std::size_t row, std::size_t column, std::size_t num_columns,
+                               double* to) const
+{
+  const auto at = [&](int r, int c)
+  { return A[(_measures * row + r) * _components * num_columns + _components * column + c]; };
+  double gradient[3] = {};
+  for (int c = 0; c < _components; ++c)
+    gradient[c] = at(_measures == 1 ? 0 : c, c);
+  for (int c = 0; c < _components; ++c)
+    to[c] += gradient[c];
+  if (_measures == 1)
+    return;
+  const int d = _components, shear = d * (d - 1) / 2;
+  if (_measures != d + shear)
+    throw std::invalid_argument("a node has " + std::to_string(_measures) + " sums: these are no strain");
+  const double size = std::abs(gradient[0]) + std::abs(gradient[1]) + std::abs(gradient[2]);
+  for (int i = 0; i < d; ++i)
+    for (int j = i; j < d; ++j)
+      for (int c = 0; c < d; ++c)
+      {
+        const double strain = ((c == i ? gradient[j] : 0.0) + (c == j ? gradient[i] : 0.0)) / 2;
+        if (!(std::abs(at(strain_place(d, i, j), c) - strain) <= 1e-12 * size)) // round-off of sums of a few products
+          throw std::invalid_argument("the sums of a node are not those of a strain");
+      }
 }
 
 /// Columns of each row: first those of every cell, then each of them once.
@@ -105,13 +133,43 @@ std::size_t LinearSums::entry(std::int32_t row, std::int32_t column) const
   return std::size_t(std::lower_bound(begin, _columns.begin() + std::ptrdiff_t(_ends[row]), column) - _columns.begin());
 }
 
+void LinearSums::check_size(std::span<const double> sums) const
+{
+  if (sums.size() < _measures * _ends.size())
+    throw std::invalid_argument("the sums have " + std::to_string(sums.size() / _measures) + " nodes, their matrix " +
+                                std::to_string(_ends.size()));
+}
+
 void LinearSums::multiply(const double* values, int stride, std::span<double> sums) const
 {
-  if (sums.size() < _ends.size())
-    throw std::invalid_argument("the sums have " + std::to_string(sums.size()) + " nodes, their matrix " +
-                                std::to_string(_ends.size()));
-  const auto rows = _components == 2 ? multiply_rows<2> : multiply_rows<3>;
-  rows(_ends, _columns.data(), _entries.data(), values, stride, sums.data());
-  std::ranges::fill(sums.subspan(_ends.size()), 0.0);
+  check_size(sums);
+  if (_measures == 1)
+  {
+    const auto rows = _components == 2 ? multiply_rows<2> : multiply_rows<3>;
+    rows(_ends, _columns.data(), _entries.data(), values, stride, sums.data());
+  }
+  else
+  {
+    const std::vector<std::int8_t> all(_ends.size(), 1);
+    strain_rows({_ends, _columns.data(), _entries.data()}, _components, stride,
+                {.shared = all, .values = values, .sums = sums.data()});
+  }
+  std::ranges::fill(sums.subspan(_measures * _ends.size()), 0.0);
+}
+
+void LinearSums::add_forces(const IsotropicModuli& moduli, std::span<const double> inverse_volumes,
+                            std::span<const std::int8_t> shared, const double* values, int stride,
+                            std::span<double> sums, double* b) const
+{
+  check_size(sums);
+  strain_rows({_ends, _columns.data(), _entries.data()}, _components, stride,
+              {moduli, inverse_volumes, shared, values, sums.data(), b});
+}
+
+void LinearSums::add_forces_of(std::span<const std::int32_t> nodes, const IsotropicModuli& moduli,
+                               std::span<const double> means, int stride, double* b) const
+{
+  check_size(means);
+  forces_of_rows({_ends, _columns.data(), _entries.data()}, _components, stride, nodes, moduli, means.data(), b);
 }
 } // namespace dolfinx_impact::operators

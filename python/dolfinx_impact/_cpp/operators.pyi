@@ -112,9 +112,9 @@ class InternalForce_float64:
     def repeat(self, b: NDArray[numpy.float64], times: int) -> None:
         """Assemble several times in a row (for timing)"""
 
-    def add_average(self, average: NodalAverage, displacement: str) -> None:
+    def add_average(self, average: NodalAverage, displacement: str, moduli: Sequence[float] | None = None) -> None:
         """
-        Compute averages at the nodes before every evaluation, which is then collective
+        Compute averages at the nodes before every evaluation, then collective. moduli: lambda, mu of their stress
         """
 
     @property

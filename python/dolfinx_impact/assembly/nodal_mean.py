@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Means of a change of volume at the nodes, of materials with integration="averaged_pressure"."""
+"""Means of a change of volume or of a strain at the nodes, of materials with integration="averaged_pressure" or
+"averaged_strain"."""
 
 from __future__ import annotations
 
@@ -8,16 +9,19 @@ from typing import Any
 import ufl
 from dolfinx import fem
 from dolfinx.fem import Function
+from dolfinx.mesh import Mesh
 
 from .. import compat
-from ..forms import averaged_pressure
+from ..forms import averaged_pressure, averaged_strain
 from ..inelastic import InelasticMaterial
-from ..materials import AVERAGED_PRESSURE, Material, _Material
+from ..materials import AVERAGED, AVERAGED_PRESSURE, AVERAGED_STRAIN, Material, _Material
+
+LAWS = {AVERAGED_PRESSURE: averaged_pressure.LAWS, AVERAGED_STRAIN: averaged_strain.LAWS}
 
 
 class NodalMean(Function):
-    """Means at the nodes of tr(eps), ln J or J over the cells of one material; operators whose forms contain it compute
-    it before every evaluation (operators/NodalAverage.h).
+    """Means at the nodes of tr(eps), ln J or J, or of a strain, over the cells of one material; operators whose forms
+    contain it compute it before every evaluation (operators/NodalAverage.h).
 
     Args:
         u: displacement function [L].
@@ -32,6 +36,8 @@ class NodalMean(Function):
         is_linear: whether what is averaged is linear in the displacement, as tr(eps).
         measure: form of rank 1 of what is averaged.
         volume: form of rank 1 of the volume that belongs to each node.
+        moduli: Lame's constants (lambda, mu) of the stress of averaged strains that are linear in the displacement;
+            None for other means [F/L^2].
         own_average: what computes the means of the displacement function's values (C++), once it is made.
 
     Raises:
@@ -42,8 +48,9 @@ class NodalMean(Function):
         V, mesh = u.function_space, u.function_space.mesh
         hypothesis = material.hypothesis_on(mesh)
         degree, geometry_degree = V.element.basix_element.degree, compat.coordinate_element(mesh).degree
-        averaged_pressure.check(mesh.topology.cell_name(), degree, geometry_degree, hypothesis)
-        super().__init__(_space_of(u), name=name)
+        averaged_pressure.check(mesh.topology.cell_name(), degree, geometry_degree, hypothesis, material.integration)
+        kind: Any = None if isinstance(material, InelasticMaterial) else _law_class(material, mesh)
+        super().__init__(_space_of(u, 1 if kind is None else kind.num_means(mesh.geometry.dim)), name=name)
         self.displacement, self.material = u, material
         self.own_average: Any = None
         test = ufl.TestFunction(self.function_space)
@@ -53,33 +60,43 @@ class NodalMean(Function):
             measured, self.is_linear = kinematics.dilatation(u), not kinematics.finite_strain
         else:
             law = material.elastic_law(mesh)
-            if law.name not in averaged_pressure.LAWS:
-                raise ValueError(
-                    f'integration="averaged_pressure" is for the laws {", ".join(averaged_pressure.LAWS)} and for '
-                    f'plasticity: {law.name} has no volumetric part of its own, use integration="full"'
-                )
-            self.law = averaged_pressure.LAWS[law.name](law.E, law.nu, hypothesis, self)
+            self.law = kind(law.E, law.nu, hypothesis, self)
             measured, self.is_linear = self.law.measure(u), self.law.linear
+        averages_strain = self.is_linear and material.integration == AVERAGED_STRAIN
+        self.moduli = averaged_strain.moduli_at_nodes(*material.lame) if averages_strain else None
         self.measure = averaged_pressure.average(measured, test, hypothesis, dx)
         self.volume = averaged_pressure.average(1, test, hypothesis, dx)
 
 
-def _space_of(u: Function) -> fem.FunctionSpace:
-    """Scalar functions of degree 1, one space for all means of a displacement."""
-    known = u.__dict__
-    if "_space_of_means" not in known:
-        known["_space_of_means"] = fem.functionspace(u.function_space.mesh, ("Lagrange", 1))
-    space: fem.FunctionSpace = known["_space_of_means"]
+def _law_class(material: _Material, mesh: Mesh) -> Any:
+    """Law in terms of means of an elastic material."""
+    name, laws = material.elastic_law(mesh).name, LAWS[material.integration]
+    if name not in laws:
+        plastic = " and for plasticity" if material.integration == AVERAGED_PRESSURE else ""
+        raise ValueError(
+            f'integration="{material.integration}" is for the laws {", ".join(laws)}{plastic}: {name} has no '
+            'volumetric part of its own, use integration="full"'
+        )
+    return laws[name]
+
+
+def _space_of(u: Function, num_means: int) -> fem.FunctionSpace:
+    """Functions of degree 1, one space for all means of a displacement that are as many at a node."""
+    known = u.__dict__.setdefault("_spaces_of_means", {})
+    if num_means not in known:
+        element = ("Lagrange", 1) if num_means == 1 else ("Lagrange", 1, (num_means,))
+        known[num_means] = fem.functionspace(u.function_space.mesh, element)
+    space: fem.FunctionSpace = known[num_means]
     return space
 
 
 def is_averaged(material: _Material) -> bool:
-    """Whether the pressure of a material is averaged at the nodes.
+    """Whether a pressure or strain of a material is averaged at the nodes.
 
     Args:
         material: material of a body or of some of its cells.
     """
-    return material.integration == AVERAGED_PRESSURE
+    return material.integration in AVERAGED
 
 
 def mean_of(u: Function, material: _Material, whole: Material, dx: ufl.Measure) -> NodalMean:

@@ -432,6 +432,21 @@ def nodal_average(mean: NodalMean, width: int = 0) -> _cpp.operators.NodalAverag
     return _cpp.operators.NodalAverage(measure._cpp_object, volume._cpp_object, mean._cpp_object, name, mean.is_linear)
 
 
+def without_linear_means(form: ufl.Form) -> tuple[ufl.Form, list[NodalMean]]:
+    """What is left of a form of internal forces for the cells where forces of mean strains are a product with a matrix.
+
+    Args:
+        form: form of rank 1.
+
+    Returns:
+        The form without the means that have moduli, and these means.
+    """
+    if not isinstance(form, ufl.Form):
+        return form, []  # InternalForce says what is wrong with it
+    means = [f for f in form.coefficients() if isinstance(f, NodalMean) and f.moduli is not None]
+    return ufl.replace(form, {f: ufl.as_vector([0] * len(f)) for f in means}) if means else form, means
+
+
 def update_means(functions: Iterable[Function]) -> None:
     """Compute the means at nodes among some functions at the present displacement. Collective.
 
@@ -521,7 +536,12 @@ class SplitForce(Described):
         law: Laws | None = None,
         mixed: bool = False,
     ) -> None:
+        form, means = without_linear_means(form) if law is None else (form, [])
         self._parts = [InternalForce(form, part=part, law=law) for part in ("early", "outer", "late")]
+        outer = self._parts[1]  # which is computed when the displacements of ghosts are known
+        for mean in means:
+            name = next(name for name, f in outer.coefficients.items() if f is mean.displacement)
+            outer._cpp_object.add_average(nodal_average(mean), name, mean.moduli)
         self.history = self._parts[0].history + self._parts[1].history + self._parts[2].history
         for part in self._parts:
             part._cpp_object.set_in_place(True)

@@ -13,7 +13,7 @@ from ..contact.general import GeneralContact
 from ..contact.mortar.lagrange import Lagrange
 from ..contact.mortar.tie import Tie
 from ..inelastic import InelasticMaterial
-from ..materials import AVERAGED_PRESSURE, REDUCED
+from ..materials import AVERAGED, REDUCED
 from ..plasticity import J2Plasticity
 from .motions import Spin, Translation
 
@@ -52,9 +52,9 @@ def check(mesh: Mesh, material: Any, cell_tags: Any, motions: Any, contact: Any)
             "of hourglass modes, and would drive them. Take integration='full'"
         )
     for tag, m in material.parts():
-        if m.integration == AVERAGED_PRESSURE:
+        if m.integration in AVERAGED:
             raise ValueError(
-                "integration='averaged_pressure' is not for rolling problems: nobody has compared it with other cells "
+                f"integration={m.integration!r} is not for rolling problems: nobody has compared it with other cells "
                 "there. Take integration='full', on hexahedra or cells of degree 2"
             )
         m.mass_density(mesh)

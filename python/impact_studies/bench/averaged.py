@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Cost of explicit steps of linear tetrahedra whose pressure is averaged at the nodes, against plain ones."""
+"""Cost of explicit steps of linear tetrahedra with pressures or strains averaged at the nodes, against plain ones."""
 
 from functools import partial
 from typing import Any
@@ -9,7 +9,7 @@ from dolfinx import fem, mesh
 from mpi4py import MPI
 
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
-from dolfinx_impact.materials import AVERAGED_PRESSURE, FULL, LinearElastic, NeoHookean
+from dolfinx_impact.materials import AVERAGED_PRESSURE, AVERAGED_STRAIN, FULL, LinearElastic, NeoHookean
 from dolfinx_impact.plasticity import J2Plasticity
 from .explicit import CELLS_PER_S, initial_velocity, step_seconds
 from .rows import Job, Row, row
@@ -20,6 +20,10 @@ LAWS: dict[str, tuple[type[Any], dict[str, Any]]] = {
     "linear_elastic": (LinearElastic, {}),
     "neo_hookean": (NeoHookean, {}),
     "j2 finite strain": (J2Plasticity, {"yield_stress": 1e-3, "hardening": 10.0, "finite_strain": True}),
+}
+AVERAGES = {
+    AVERAGED_PRESSURE: ("averaged pressure", tuple(LAWS)),
+    AVERAGED_STRAIN: ("averaged strain", ("linear_elastic", "neo_hookean")),
 }
 
 
@@ -42,18 +46,18 @@ def averaged_rows(n: int = 32) -> list[Row]:
         Rows; the ratio is the median of those of the rounds.
     """
     rows = []
-    for law in LAWS:
-        plain, averaged = (_problem(n, law, how) for how in (FULL, AVERAGED_PRESSURE))
+    for law, how, text in ((law, how, text) for how, (text, laws) in AVERAGES.items() for law in laws):
+        plain, averaged = (_problem(n, law, integration) for integration in (FULL, how))
         times = np.array([[step_seconds(p, STEPS, 1)[0] for p in (plain, averaged)] for _ in range(ROUNDS)])
         base = 6 * n**3 / float(np.median(times[:, 0])) * 1e-6
         ratio = float(np.median(times[:, 0] / times[:, 1]))
-        name = f"averaged pressure / plain, {law}, goal {GOAL}"
+        name = f"{text} / plain, {law}, goal {GOAL}"
         rows.append(row(name, "tetrahedron P1", 1, ratio * base, CELLS_PER_S, base))
     return rows
 
 
 def jobs(large: bool = False) -> list[Job]:
-    """Measurements of averaged pressure.
+    """Measurements of averaged pressure and strain.
 
     Args:
         large: take larger models.
@@ -61,4 +65,4 @@ def jobs(large: bool = False) -> list[Job]:
     Returns:
         A text and a function that returns rows.
     """
-    return [("explicit step, averaged pressure", partial(averaged_rows, 50 if large else 20))]
+    return [("explicit step, averaged pressure and strain", partial(averaged_rows, 50 if large else 20))]

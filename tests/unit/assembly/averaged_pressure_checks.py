@@ -17,6 +17,8 @@ from dolfinx_impact.assembly.locking import Locking
 
 COMM = MPI.COMM_WORLD
 LAWS = (di.LinearElastic, di.NeoHookean)
+PRESSURE, STRAIN = "averaged_pressure", "averaged_strain"
+AVERAGED_LAWS = [(law, how) for law in LAWS for how in (PRESSURE, STRAIN)]
 
 
 def cube(comm=COMM, n=3):
@@ -32,16 +34,14 @@ def bent(V, size=0.05):
     return u
 
 
-def two_materials(V, law):
-    """Soft and stiff halves, whose pressures must not be mixed at the nodes between them."""
+def two_materials(V, law, integration=PRESSURE):
+    """Soft and stiff halves, whose pressures and strains must not be mixed at the nodes between them."""
     domain = V.mesh
     num = domain.topology.index_map(3).size_local + domain.topology.index_map(3).num_ghosts
     cells = np.arange(num, dtype=np.int32)
     middle = mesh.compute_midpoints(domain, 3, cells)
     tags = mesh.meshtags(domain, 3, cells, np.where(middle[:, 0] < 0.5, 1, 2).astype(np.int32))
-    return di.MaterialMap(
-        tags, {t: law(E, 0.45, 1.0, integration="averaged_pressure") for t, E in ((1, 1.0), (2, 50.0))}
-    )
+    return di.MaterialMap(tags, {t: law(E, 0.45, 1.0, integration=integration) for t, E in ((1, 1.0), (2, 50.0))})
 
 
 def owned_product(a, b, V):
@@ -54,8 +54,8 @@ def check_force_is_the_derivative_of_the_energy():
     V = cube()
     u, d = bent(V), bent(V, 0.7)
     start = u.x.array.copy()
-    for law in LAWS:
-        material = two_materials(V, law)
+    for law, how in AVERAGED_LAWS:
+        material = two_materials(V, law, how)
         energy = operators.Energy(operators.strain_energy_form(u, material))
         u.x.array[:] = start
         force = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(V), material)).apply().array
@@ -75,7 +75,7 @@ def check_tangent_is_the_derivative_of_the_force():
     plastic = di.J2Plasticity(
         1.0, 0.4, yield_stress=1e-3, hardening=0.1, finite_strain=True, integration="averaged_pressure"
     )
-    for material in (two_materials(V, di.NeoHookean), plastic):
+    for material in (two_materials(V, di.NeoHookean), two_materials(V, di.NeoHookean, STRAIN), plastic):
         u.x.array[:] = start
         body = di.StaticProblem(u, material).body
         changes = []
@@ -94,11 +94,11 @@ def check_tangent_is_the_derivative_of_the_force():
 
 
 def check_explicit_force_is_that_of_the_operator():
-    """Explicit problems read means and padded displacements by the kernels' sweeps, the operator gathers batch by
-    batch. Sums over ranks may differ in their order: a limit of round-off."""
-    for law in LAWS:
+    """Explicit problems read means and padded displacements by the kernels' sweeps, or multiply by a matrix of the
+    nodes; the operator gathers batch by batch. Sums over ranks may differ in their order: a limit of round-off."""
+    for law, how in AVERAGED_LAWS:
         u = bent(cube())
-        material = two_materials(u.function_space, law)
+        material = two_materials(u.function_space, law, how)
         problem = di.ExplicitProblem(u, material)
         form = operators.internal_force_form(u, ufl.TestFunction(u.function_space), material)
         force = operators.InternalForce(form).apply().array
@@ -112,10 +112,11 @@ def check_linear_means_are_those_of_kernels():
     """Means of tr(eps) are a product with a matrix in explicit runs (operators/LinearSums.h); the operator adds up what
     kernels compute. A limit of round-off, as above."""
     square = mesh.create_unit_square(COMM, 4, 4, mesh.CellType.triangle)
-    for V in (cube(), fem.functionspace(square, ("Lagrange", 1, (2,)))):
+    spaces = cube(), fem.functionspace(square, ("Lagrange", 1, (2,)))
+    for V, how in ((V, how) for V in spaces for how in (PRESSURE, STRAIN)):
         u, dim = fem.Function(V, name="u"), V.mesh.geometry.dim
         u.interpolate(lambda x, n=dim: 0.03 * np.array([np.sin(3 * x[1]) * x[0], x[0] * x[1] - x[0], x[0] ** 2])[:n])
-        steel = di.LinearElastic(1.0, 0.4, 1.0, ("plane_strain", "3d")[dim - 2], integration="averaged_pressure")
+        steel = di.LinearElastic(1.0, 0.4, 1.0, ("plane_strain", "3d")[dim - 2], integration=how)
         problem = di.ExplicitProblem(u, steel)
         problem.advance(1e-3, dt=1e-3, progress=False)
         force = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(V), steel)).apply().array
@@ -125,14 +126,17 @@ def check_linear_means_are_those_of_kernels():
         assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-4
 
 
-def run(comm, until=0.4, integration="averaged_pressure"):
-    """A plastic cube thrown against a plane."""
+def run(comm, until=0.4, integration=PRESSURE):
+    """A cube thrown against a plane, plastic but with averaged strains."""
     V = cube(comm, 2)
     u, v = fem.Function(V, name="u"), fem.Function(V)
     v.interpolate(lambda x: np.array([0.01 * x[1], 0 * x[0], 0.01 * x[0] - 0.2]))
-    steel = di.J2Plasticity(
-        1.0, 0.4, 1.0, yield_stress=0.02, hardening=0.1, finite_strain=True, integration=integration
-    )
+    if integration == STRAIN:
+        steel = di.LinearElastic(1.0, 0.4, 1.0, integration=integration)
+    else:
+        steel = di.J2Plasticity(
+            1.0, 0.4, 1.0, yield_stress=0.02, hardening=0.1, finite_strain=True, integration=integration
+        )
     facets = mesh.locate_entities_boundary(V.mesh, 2, lambda x: np.isclose(x[2], 0.0))
     tags = mesh.meshtags(V.mesh, 2, np.sort(facets), np.full(len(facets), 1, dtype=np.int32))
     wall = di.Penalty(di.ContactPair(tags, 1, di.RigidPlane((0.0, 0.0, -0.01), (0.0, 0.0, 1.0))))
@@ -143,31 +147,33 @@ def run(comm, until=0.4, integration="averaged_pressure"):
 
 def check_run_is_that_of_one_rank():
     """Displacements by place; the balance of energy. Sums in another order differ by round-off, which grows little."""
-    ours, alone = run(COMM), run(MPI.COMM_SELF)
-    assert ours.energy["plastic"] > 0
-    assert abs(ours.energy["drift"]) < 0.02
-    places = [np.round(p.space.tabulate_dof_coordinates(), 9) for p in (ours, alone)]
-    at = {tuple(x): k for k, x in enumerate(places[1])}
-    theirs = alone.u.x.array.reshape(-1, 3)[[at[tuple(x)] for x in places[0]]]
-    assert np.abs(ours.u.x.array.reshape(-1, 3) - theirs).max() < 1e-10 * np.abs(theirs).max()
+    for how in (PRESSURE, STRAIN):
+        ours, alone = run(COMM, integration=how), run(MPI.COMM_SELF, integration=how)
+        assert how == STRAIN or ours.energy["plastic"] > 0
+        assert abs(ours.energy["drift"]) < 0.02
+        places = [np.round(p.space.tabulate_dof_coordinates(), 9) for p in (ours, alone)]
+        at = {tuple(x): k for k, x in enumerate(places[1])}
+        theirs = alone.u.x.array.reshape(-1, 3)[[at[tuple(x)] for x in places[0]]]
+        assert np.abs(ours.u.x.array.reshape(-1, 3) - theirs).max() < 1e-10 * np.abs(theirs).max()
 
 
 def check_checkpoint():
     """A run that is continued is the run, bit for bit."""
     with shared_folder(COMM) as folder:
-        file = Path(folder) / "run"
-        problem = run(COMM, 0.2)
-        problem.save(file)
-        problem.advance(0.4, dt=0.02, progress=False)
-        state = problem.u.x.array.copy()
-        problem.restore(file)
-        problem.advance(0.4, dt=0.02, progress=False)
-        assert np.array_equal(problem.u.x.array, state)
+        for how in (PRESSURE, STRAIN):
+            file = Path(folder) / how
+            problem = run(COMM, 0.2, how)
+            problem.save(file)
+            problem.advance(0.4, dt=0.02, progress=False)
+            state = problem.u.x.array.copy()
+            problem.restore(file)
+            problem.advance(0.4, dt=0.02, progress=False)
+            assert np.array_equal(problem.u.x.array, state)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Locking)
             plain = run(COMM, 0.02, "full")
         with pytest.raises(ValueError, match="of another problem.*averaged_pressure"):
-            plain.restore(file)
+            plain.restore(Path(folder) / PRESSURE)
 
 
 def check_vectors_have_ghosts():
