@@ -21,6 +21,7 @@ import traceback
 from helper_folders import put_on_path
 from idle_rank import keep_idle_as_asked
 from mpi4py import MPI
+from rotated_partitions import rotate_partitions
 
 
 def call_check(module, check):
@@ -65,6 +66,7 @@ def perform(request, timeout):
 def main(address):
     put_on_path()
     keep_idle_as_asked()
+    rotate_partitions()
     connection = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     connection.connect(address)
     stream = connection.makefile("rw")

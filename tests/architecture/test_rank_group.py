@@ -49,6 +49,12 @@ def check_aborts():
     if COMM.rank == 0:
         COMM.Abort(5)
     COMM.barrier()
+
+def check_parts_are_others():
+    from dolfinx import mesh
+    topologies = [mesh.create_unit_square(COMM, 3, 2).topology for _ in range(3)]
+    first, second, third = (set(t.original_cell_index[: t.index_map(2).size_local].tolist()) for t in topologies)
+    assert first and second and first.isdisjoint(second) and first == third
 """
 
 
@@ -84,6 +90,11 @@ def perform(group, module, *names, timeout=60):
 def test_one_start_serves_many_checks(group, module):
     assert set(perform(group, module, *["passes"] * 20).values()) == {None} and group.starts == 1
     assert group.close() == 0
+
+
+def test_the_same_mesh_is_partitioned_otherwise_each_time(group, module):
+    """Of two ranks in turn: a check that compares arrays of two meshes is wrong, and does not pass by chance."""
+    assert perform(group, module, "parts_are_others") == {"parts_are_others": None}
 
 
 @pytest.mark.long_rows(where=lambda name: name in ("fails", "calls_exit", "exits", "raises_before_the_others_wait"))

@@ -33,7 +33,7 @@ MESHES = {
     "inverted": (
         {"nodes": moved(6, (0.5, 0.5, 0))},
         {},
-        ["1 cells of 2", "cell 1", "gmsh element 2", '1 ("body")', "folded"],
+        ["1 cells of 2", "(gmsh element 2), centre (1.125, 0.375)", '1 ("body")', "folded"],
     ),
     "bow_tie": ({"elements": [QUADS[0], (3, 1, (2, 5, 3, 6))]}, {}, ["folded", "gmsh element 2", "centre (1.5, 0.5)"]),
     "flat": ({"nodes": [(x, 0, 0) for x, _, _ in SQUARE]}, {}, ["2 cells of 2", "zero volume", "det J zero"]),
