@@ -431,8 +431,7 @@ def form_integrals(form, name, names, hypothesis="", law=None):
         form = _form_without_averages(name, form, laws, averages)
         for one, parts in parts_of.items():
             parts_of[one] = {p: [averages[one].replaced(e) for e in group] for p, group in parts.items()}
-    if not laws and not averaged:
-        form = by_test_gradient(form)
+    form = by_test_gradient(form, lambda integral: _is_plain(integral, laws, averages))
     analysis = analyze_ufl_objects([form], np.dtype("float64"))
     ir = compute_ir(analysis, {}, "impact", dict(OPTIONS), False)
     data = analysis.form_data[0]
@@ -517,11 +516,31 @@ def _offsets(objects, size):
     return {o: int(n) for o, n in zip(objects, ends)}
 
 
+def _place(integral):
+    """Type of an integral and the tags of its cells or facets, -1: all of them, or those without another."""
+    tags = integral.subdomain_id()
+    tags = tags if isinstance(tags, tuple) else (tags,)
+    return integral.integral_type(), tuple(-1 if tag in ("everywhere", "otherwise") else int(tag) for tag in tags)
+
+
+def _is_plain(integral, laws, averages):
+    """Has an integral neither what a law computes at the points of its cells nor averages, which formulas of its kernel
+    look for as they are written?"""
+    found = [one for one in _laws_of(laws, *_place(integral)) if one is not None]
+    computes = any(one.outputs or one.unknown is not None for one in found)
+    return not computes and not any(one.needed([integral.integrand()]) for one in averages.values())
+
+
+def _laws_of(laws, integral_type, subdomains):
+    """The law of the cells of each tag, or None."""
+    if integral_type != "cell":
+        return [None for _ in subdomains]
+    return [laws.get(None if s == -1 else s, laws.get(None)) for s in subdomains]
+
+
 def _law_of_integral(name, laws, integral_type, subdomains):
     """The law of the cells of an integral, or None."""
-    if integral_type != "cell" or not laws:
-        return None
-    found = [laws.get(None if s == -1 else s, laws.get(None)) for s in subdomains]
+    found = _laws_of(laws, integral_type, subdomains)
     if any(one is not found[0] for one in found):
         raise ValueError(
             f"{name}: cells of tags {subdomains} have the same integral, but different laws: give them one law"
@@ -555,10 +574,7 @@ def _form_without_averages(name, form, laws, averages):
     for integral in form.integrals():
         integrand = integral.integrand()
         if integral.integral_type() == "cell" and has_averages(integrand):
-            tags = integral.subdomain_id()
-            tags = tags if isinstance(tags, tuple) else (tags,)
-            tags = tuple(-1 if tag in ("everywhere", "otherwise") else int(tag) for tag in tags)
-            integrand = averages[_law_of_integral(name, laws, "cell", tags)].of_integrand(integrand)
+            integrand = averages[_law_of_integral(name, laws, *_place(integral))].of_integrand(integrand)
         integrals.append(integral.reconstruct(integrand=integrand))
     return ufl.Form(integrals)
 

@@ -32,14 +32,15 @@ class _Replaced(MultiFunction):
         return self.expression if _is_test_gradient(o) else o
 
 
-def by_test_gradient(form):
+def by_test_gradient(form, wanted=lambda integral: True):
     """A form of rank 1 of the same value, with the same quadrature rules, whose integrals over cells are a stress times
-    the gradient of the test function; or the form itself where this is nothing new."""
+    the gradient of the test function, where they are wanted; or the form itself where this is nothing new."""
     if len(form.arguments()) != 1:
         return form
     integrals, found = [], False
     for integral in with_rules(form).integrals():  # the rules belong to the integrand as it was written
-        stress = _stress(integral.integrand()) if integral.integral_type() == "cell" else None
+        is_cell = integral.integral_type() == "cell"
+        stress = _stress(integral.integrand()) if is_cell and wanted(integral) else None
         if stress is not None:
             integral, found = integral.reconstruct(integrand=stress), True
         integrals.append(integral)

@@ -414,8 +414,8 @@ class ExplicitProblem(TransientProblem):
             until: time to advance to [T].
             dt: largest step; "auto": 0.9 of the stable step. All steps are equal [T].
             callback: function that is called as callback(problem) after each step, or each of `callback_every`, and
-                before the first step of a run (at step 0). Its changes of constants, functions and loads are in force from the time at which it is
-                called; the problem updates their ghosts.
+                before the first step of a run (at step 0). Its changes of constants, functions and loads are in force
+                from the time at which it is called; the problem updates their ghosts.
             progress: whether rank 0 shows a progress bar.
             unsafe: accept a dt beyond the stable step, with a warning.
             energy_limits: two limits for the energy that the run has gained without the work of loads and supports,
@@ -430,9 +430,9 @@ class ExplicitProblem(TransientProblem):
 
         Raises:
             TypeError: an argument is of the wrong type.
-            ValueError: the time has passed; `callback_every` is not positive; dt is not positive, beyond the stable step, or so small that the time
-                cannot be reached; the energy limits are not two positive numbers in increasing order; an argument
-                differs between ranks.
+            ValueError: the time has passed; `callback_every` is not positive; dt is not positive, beyond the stable
+                step, or so small that the time cannot be reached; the energy limits are not two positive numbers in
+                increasing order; an argument differs between ranks.
             RuntimeError: the call came from a callback of `advance`; or the run went unstable or gained energy beyond
                 the limit. The message says when and where. Displacement and velocity are then those of the last good
                 state; works are zero and friction has no history there.

@@ -594,8 +594,8 @@ def jobs(large: bool = False, ranks: int = 0) -> list[Job]:
     neo_hookean = partial(step_rows, law=materials.NeoHookean, baselines=("A",))
     out += [(f"explicit step, neo_hookean, {c[0]} P{c[1]}", partial(neo_hookean, (c,))) for c in FINITE]
     out.append(("explicit contact", partial(contact_rows, rounds=(7, 25) if large else (3, 8))))
-    out.append(("explicit contact without pairs", partial(general_rows, rounds=20 if large else 4)))
-    out.append(("explicit steps of tied bodies", partial(tie_rows, rounds=20 if large else 5)))
+    out.append(("explicit contact without pairs", partial(general_rows, rounds=10 if large else 4)))
+    out.append(("explicit steps of tied bodies", partial(tie_rows, rounds=10 if large else 5)))
     out += [("explicit output", partial(output_rows, n)) for n in ((48, 20) if large else (20,))]
     out.append(("explicit memory", partial(memory_rows, 64 if large else 40)))
     return out + ([(f"explicit steps on {ranks} ranks", partial(rank_rows, ranks))] if ranks > 1 else [])

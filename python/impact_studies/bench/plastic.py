@@ -400,7 +400,7 @@ def jobs(large: bool = False) -> list[Job]:
         A text and a function that returns rows, for each measurement.
     """
     return [
-        ("explicit step, j2", partial(speed_rows, 48 if large else 30)),
+        ("explicit step, j2", partial(speed_rows, 36 if large else 30)),
         ("explicit step, j2, the usual way", usual_row),
         ("explicit step, law of one's own", own_row),
         ("explicit memory, j2", partial(memory_rows, 64 if large else 40)),

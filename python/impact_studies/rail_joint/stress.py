@@ -10,6 +10,7 @@ import ufl
 from dolfinx import fem, la
 
 from dolfinx_impact.assembly.operators import PointValues
+from dolfinx_impact.common.types import FloatArray
 from .model import PATH_TAG, JointModel
 from .wheel import HUB_TAGS, RIM_TAG
 
@@ -51,6 +52,10 @@ class NodalStress:
         self._part_of = np.zeros(self._num_cells, dtype=np.int32)
         for k, cells in enumerate(self._parts):
             self._part_of[cells[cells < self._num_cells]] = k
+        self._dofs = self.space.dofmap.list[: self._num_cells]
+        self._sum = fem.Function(self.space)
+        ones = np.ones(self._dofs.shape)
+        self._counts = [self._summed(k, ones).copy() for k in range(len(self._parts))]  # cells of a part at each node
 
     def _cells(self, tags: tuple[int, ...]) -> Any:
         return self._model.cell_tags.indices[np.isin(self._model.cell_tags.values, tags)]
@@ -64,7 +69,6 @@ class NodalStress:
         Returns:
             Functions of degree 1 by name, of NAMES [Pa].
         """
-        dofs = self.space.dofmap.list[: self._num_cells]
         sigma = self._values.values()
         s = sigma.reshape(*sigma.shape[:2], 3, 3)
         deviator = s - np.trace(s, axis1=2, axis2=3)[..., None, None] / 3.0 * np.eye(3)
@@ -79,19 +83,20 @@ class NodalStress:
             for name, k in (("sigma_xx", 0), ("sigma_yy", 1), ("sigma_zz", 2), ("tau_xz", 5)):
                 values[name][yielding] = stress[:, k, None]
             values["von_mises"][yielding] = history["von_mises"].values[yielding].mean(axis=1)[:, None]
-        return {name: self._average(name, v, dofs) for name, v in values.items()}
+        return {name: self._average(name, v) for name, v in values.items()}
 
-    def _average(self, name: str, values: Any, dofs: Any) -> fem.Function:
+    def _summed(self, part: int, values: FloatArray) -> FloatArray:
+        """Sums of values at the vertices of the cells of a part over these cells, at the nodes. Collective."""
+        x, cells = self._sum.x, self._part_of == part
+        x.array[:] = np.bincount(self._dofs[cells].ravel(), values[cells].ravel(), len(x.array))
+        x.scatter_reverse(la.InsertMode.add)
+        x.scatter_forward()
+        return x.array
+
+    def _average(self, name: str, values: FloatArray) -> fem.Function:
         out = fem.Function(self.space, name=name)
-        total, count = fem.Function(self.space), fem.Function(self.space)
-        for k in range(len(self._parts)):
-            cells = self._part_of == k
-            for f, rows in ((total, values[cells]), (count, np.ones_like(values[cells]))):
-                f.x.array[:] = 0.0
-                np.add.at(f.x.array, dofs[cells].ravel(), rows.ravel())
-                f.x.scatter_reverse(la.InsertMode.add)
-                f.x.scatter_forward()
-            mean = np.divide(total.x.array, count.x.array, out=np.zeros_like(total.x.array), where=count.x.array > 0.0)
+        for k, count in enumerate(self._counts):
+            mean = np.divide(self._summed(k, values), count, out=np.zeros_like(count), where=count > 0.0)
             larger = np.abs(mean) > np.abs(out.x.array)
             out.x.array[larger] = mean[larger]
         return out

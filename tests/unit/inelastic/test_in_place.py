@@ -100,3 +100,26 @@ def test_plastic_steps(name, cell):
 @pytest.mark.parametrize("cell", CELLS)
 def test_history_that_is_read_by_another(cell):
     assert max(check(cell, Exchange)) > 0.9
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_elastic_cells_beside_plastic_ones(cell):
+    """Their kernels sum elastic energy up beside the force. Nothing yields: it is a body of one elastic law."""
+    domain = CELLS[cell]()
+    dim, num_cells = domain.geometry.dim, domain.topology.index_map(domain.topology.dim).size_local
+    hypothesis = "3d" if dim == 3 else "plane_strain"
+    elastic = di.LinearElastic(1e3, 0.3, 1.0, hypothesis=hypothesis)
+    plastic = di.J2Plasticity(1e3, 0.3, 1.0, yield_stress=1e6, hardening=1.0, average=False, hypothesis=hypothesis)
+    tags = mesh.meshtags(domain, dim, np.arange(num_cells), (np.arange(num_cells) % 3 > 0).astype(np.int32))
+    problems = []
+    for law in (di.MaterialMap(tags, {0: plastic, 1: elastic}), elastic):
+        u, v = (fem.Function(fem.functionspace(domain, ("Lagrange", 1, (dim,))), name=name) for name in "uv")
+        v.interpolate(lambda x: np.array([x[0] ** 6, 0.3 * x[0] ** 6, 0.1 * x[1] * x[0]][:dim]))
+        problems.append(di.ExplicitProblem(u, law, velocity=v))
+        problems[-1].advance(8e-3, dt=1e-3, progress=False)
+    found, expected = problems
+    a = expected.acceleration.x.array
+    assert np.abs(found.acceleration.x.array - a).max() <= ROUND_OFF * np.abs(a).max()
+    assert found.energy["internal"] == pytest.approx(expected.energy["internal"], rel=ROUND_OFF)
+    # What is left of the work of eight steps is what their sums round.
+    assert abs(found.energy["plastic"]) <= ROUND_OFF * found.energy["kinetic"]

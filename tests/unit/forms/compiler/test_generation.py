@@ -14,6 +14,7 @@ import user_forms
 from dolfinx_impact import _cpp
 from dolfinx_impact.forms import averaged_pressure, registry
 from dolfinx_impact.forms.compiler import emit, frontend, kernel
+from dolfinx_impact.forms.point_law import PointLaw
 
 ROWS = [
     ("neo_hookean.force", "hexahedron", 2, 1, "3d"),
@@ -110,7 +111,7 @@ def test_a_sweep_reads_a_scalar_beside_the_displacement():
     }
     for arrays, form in forms.items():
         text = emit.source(frontend.form_integrals(form, "form", {u: "u", mean: "mean"}), "impact_row")[0]
-        assert text.count(f"NodalArrays{arrays}>(*cells)") == 2
+        assert text.count(f"NodalArrays{arrays}, 0>(*cells)") == 2
     by_element = ufl.Coefficient(ufl.FunctionSpace(mesh, basix.ufl.element("DG", "tetrahedron", 0)))
     form = by_element * ufl.inner(u, ufl.TestFunction(vector)) * ufl.dx
     assert (
@@ -137,7 +138,23 @@ def test_sweeps_of_kernels_that_read_differences_to_the_first_node(cell, degree,
     strain = ufl.inner(ufl.sym(ufl.grad(u)), ufl.grad(v))
     form = (strain if what == "gradient" else strain + ufl.inner(u, v)) * ufl.dx
     text = emit.source(frontend.form_integrals(form, "form", {u: "u"}), "impact_row")[0]
-    assert text.count(f", {expected}}}>(*cells)") == 2
+    assert text.count(f", {expected}}}, 0>(*cells)") == 2
+
+
+def test_laws_of_sums_alone_have_sweeps_and_stresses():
+    """Elastic cells beside plastic ones sum their energy up: the kernel is that of the form without a law but for it."""
+    mesh = user_forms.mesh_of("hexahedron")
+    V = user_forms.space(mesh, shape=(3,))
+    u, v = ufl.Coefficient(V), ufl.TestFunction(V)
+    F = ufl.variable(ufl.Identity(3) + ufl.grad(u))
+    energy = ufl.tr(F.T * F) ** 2
+    form = ufl.derivative(energy * ufl.dx(degree=2), u, v)
+    laws = {"none": None, "a sum": PointLaw({}, sums={"elastic": energy}), "a value": PointLaw({"energy": energy})}
+    for what, law in laws.items():
+        (integral,) = frontend.form_integrals(form, "form", {u: "u"}, law=law)
+        text = emit.source([integral], "impact_row")[0]
+        assert text.count(f", {int(what == 'a sum')}>(*cells)") == 2 * (what != "a value")
+        assert integral.has_sweep == (what != "a value")
 
 
 @pytest.mark.parametrize("first_number", (0, 7, 8, 9, 10, 97, 98, 99, 100))
