@@ -309,8 +309,10 @@ def palette(images: Sequence[Any]) -> Any:
     """
     import PIL.Image
 
-    pixels = np.concatenate([np.asarray(image.convert("RGB")).reshape(-1, 3) for image in images])
-    rare = np.unique(pixels & 0xF8, axis=0)  # colours that differ by less than 8 are one
+    found = np.zeros(3 * (32,), dtype=bool)  # colours that differ by less than 8 are one
+    for image in images:
+        found[tuple(np.asarray(image.convert("RGB")).reshape(-1, 3).T >> 3)] = True
+    rare = 8 * np.argwhere(found)
     return PIL.Image.fromarray(rare[None].astype(np.uint8)).quantize(256, method=PIL.Image.Quantize.MEDIANCUT)
 
 
