@@ -142,7 +142,7 @@ def test_sweeps_of_kernels_that_read_differences_to_the_first_node(cell, degree,
 
 
 def test_laws_of_sums_alone_have_sweeps_and_stresses():
-    """Elastic cells beside plastic ones sum their energy up: the kernel is that of the form without a law but for it."""
+    """Elastic cells beside plastic ones sum their energy up: their kernels are those without a law but for it."""
     mesh = user_forms.mesh_of("hexahedron")
     V = user_forms.space(mesh, shape=(3,))
     u, v = ufl.Coefficient(V), ufl.TestFunction(V)
