@@ -95,18 +95,23 @@ void NodalAverage::update()
 void NodalAverage::add_forces(const IsotropicModuli& moduli, std::span<double> b, int stride)
 {
   const LinearSums* matrix = linear_sums();
-  if (!matrix || stride != this->stride())
+  // A rank without any takes part in the exchange; it may have no displacement to read either.
+  const bool has_cells =
+      std::ranges::any_of(_measure->batches(), [](const Batches& batches) { return batches.num_cells() > 0; });
+  if (has_cells && (!matrix || stride != this->stride()))
     throw std::invalid_argument("forces of averages take a linear measure and a displacement in an array like theirs");
   const std::span<double> values = common::array(*_average->x());
   const std::size_t bs = std::size_t(block_size());
   for (const std::int32_t node : _shared_nodes) // of which the matrix may have no rows
     std::fill_n(values.begin() + std::ptrdiff_t(bs * node), bs, 0.0);
-  matrix->add_forces(moduli, _inverse, _shared, _values, stride, values, b.data());
+  if (has_cells)
+    matrix->add_forces(moduli, _inverse, _shared, _values, stride, values, b.data());
   _halo.reverse(values, int(bs));
   _halo.forward(values, int(bs));
   for (const std::int32_t node : _shared_nodes)
     for (std::size_t c = 0; c < bs; ++c)
       values[bs * node + c] *= _inverse[node];
-  matrix->add_forces_of(_shared_nodes, moduli, values, stride, b.data());
+  if (has_cells)
+    matrix->add_forces_of(_shared_nodes, moduli, values, stride, b.data());
 }
 } // namespace dolfinx_impact::operators

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from shared_folder import shared_folder
 
 import dolfinx_impact as di
+from dolfinx_impact import compat
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.assembly.locking import Locking
 
@@ -106,6 +107,25 @@ def check_explicit_force_is_that_of_the_operator():
         found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
         largest = COMM.allreduce(np.abs(force[:n]).max(), MPI.MAX)
         assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
+
+
+def check_ranks_without_cells():
+    """They take part in the exchange of sums: explicit forces are those of the operator, as in the check before."""
+
+    def on_last_rank(comm, num_ranks, cell_types, cells):
+        return compat.adjacencylist(np.full((len(cells[0]) // 4, 1), num_ranks - 1, dtype=np.int32))
+
+    domain = mesh.create_unit_cube(COMM, 2, 2, 2, mesh.CellType.tetrahedron, partitioner=on_last_rank)
+    V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
+    n = 3 * V.dofmap.index_map.size_local
+    for law, how in AVERAGED_LAWS:
+        u, material = bent(V), law(1.0, 0.3, 1.0, integration=how)
+        problem = di.ExplicitProblem(u, material)
+        problem.advance(5e-3, dt=1e-3, progress=False)
+        force = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(V), material)).apply().array
+        found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
+        largest = COMM.allreduce(np.abs(force[:n]).max(initial=0.0), MPI.MAX)
+        assert np.abs(found + force[:n]).max(initial=0.0) < 1e-13 * largest and largest > 1e-3
 
 
 def check_linear_means_are_those_of_kernels():
