@@ -371,7 +371,8 @@ Increment Newton::run(std::span<const double> target)
     {
       if (!_contacts.empty() && !body.properties().has_inertia)
         if (const std::string loose = unconstrained_modes(K); !loose.empty())
-          return result.failed(loose + "; the linear solver failed (" + solution.fault + ")", true);
+          // What was held as the increment began may lose its contact on the way, and keep it in smaller increments.
+          return result.failed(loose + "; the linear solver failed (" + solution.fault + ")", iteration == 0);
       if (const std::string crowded = over_constrained(); !crowded.empty())
       {
         result.advice.clear();
