@@ -523,6 +523,8 @@ class SplitForce(Described):
         velocity: coefficient that the integrator sets to the velocity; None: the form has none.
         law: as for InternalForce; each evaluation ends a step, internal variables are overwritten in place.
         mixed: whether the element vectors are computed in float.
+        of_material: whether the form is the internal force of materials and nothing else: forces of mean strains are
+            then a product with a matrix. A residual of a user's own may have multiples of them.
 
     Attributes:
         history: internal variables of all parts, `PointHistory`; empty without a law.
@@ -535,8 +537,9 @@ class SplitForce(Described):
         velocity: Function | None = None,
         law: Laws | None = None,
         mixed: bool = False,
+        of_material: bool = False,
     ) -> None:
-        form, means = without_linear_means(form) if law is None else (form, [])
+        form, means = without_linear_means(form) if of_material and law is None else (form, [])
         self._parts = [InternalForce(form, part=part, law=law) for part in ("early", "outer", "late")]
         outer = self._parts[1]  # which is computed when the displacements of ghosts are known
         for mean in means:

@@ -166,19 +166,6 @@ def agree(comm: MPI.Comm, error: BaseException | None, call: str = "") -> None:
         raise error
 
 
-def asleep(comm: MPI.Comm) -> None:
-    """Wait until all ranks have come here, without keeping a processor busy as MPI does. Collective.
-
-    Args:
-        comm: communicator of the call.
-    """
-    if comm.size == 1:
-        return
-    request = channel(comm).Ibarrier()
-    while not request.Test():
-        time.sleep(0.01)
-
-
 def common(error: _Error) -> _Error:
     """Mark an error that every rank raises at the same place, because all have found the same values.
 

@@ -15,6 +15,7 @@ from ufl.algorithms import expand_derivatives
 
 from .. import _cpp
 from ..added_mass import added_masses
+from ..assembly.nodal_mean import NodalMean
 from ..assembly import lumped_mass as lumps
 from ..assembly import operators
 from ..assembly.body_forms import body_forms, stiffness_damping
@@ -102,6 +103,12 @@ class ExplicitBodies(Described):
             densities, tags = [(t, m.mass_density(mesh)) for t, m in given.parts()], given.cell_tags
         else:
             internal, resisting = split(residual, velocity)
+            if tangent is None and any(isinstance(f, NodalMean) for f in residual.coefficients()):
+                raise ValueError(
+                    "the residual reads averages at the nodes (integration='averaged_pressure' or 'averaged_strain'), "
+                    "whose stiffness its derivative lacks: the stable step would be too long. Give the material, or as "
+                    "tangent= that of integration='full'"
+                )
             self.linear, bounding = False, tangent
             if tangent is None:  # by the rules of the residual: it is the change of this force that bounds the step
                 with differentiable():
@@ -140,7 +147,7 @@ class ExplicitBodies(Described):
         # The stiffness that bounds the frequencies of inelastic parts is that of their elastic part in the deformed
         # shape: no internal variable changes it but by the deformation, which is watched.
         self.periodic = any(c is velocity for c in read) or (deforms and not self.watched)
-        self.internal = operators.SplitForce(internal, u, law=self._laws, mixed=mixed)
+        self.internal = operators.SplitForce(internal, u, law=self._laws, mixed=mixed, of_material=residual is None)
         self.terms: list[operators.SplitForce] = [self.internal]
         self._kinds: list[_cpp.integrators.WorkKind] = []
         if resisting is None:

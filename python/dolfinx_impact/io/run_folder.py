@@ -28,7 +28,6 @@ from dolfinx.mesh import Mesh
 from mpi4py import MPI
 
 from .. import compat
-from ..common.collective import asleep
 from ..common.types import ArrayLike, FilePath
 from . import hdf5
 from .frames import write_once
@@ -125,8 +124,6 @@ class RunFolder(OutputFolder):
     def pictures(self, draw: Callable[..., object], *args: Any) -> None:
         """Draw figures on rank 0; without PyVista or a screen, print a message instead. Collective.
 
-        The other ranks sleep meanwhile: PyVista draws with as many threads as there are processors.
-
         Args:
             draw: function that draws and writes figures.
             args: its arguments.
@@ -142,11 +139,7 @@ class RunFolder(OutputFolder):
                 draw(*args)
             except (ImportError, NoScreen) as error:
                 self.print(f"a picture is left out: {error}")
-            finally:
-                asleep(self.comm)
 
-        if self.comm.rank > 0:
-            asleep(self.comm)
         self.write(self.path, work)
 
     def write_parameters(self, parameters: Mapping[str, Any]) -> Path:

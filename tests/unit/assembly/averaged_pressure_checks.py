@@ -109,6 +109,22 @@ def check_explicit_force_is_that_of_the_operator():
         assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
 
 
+def check_residuals_of_ones_own():
+    """Multiples of forces of averages are what was written; without a tangent the stable step would be too long."""
+    V = cube()
+    n = 3 * V.dofmap.index_map.size_local
+    for law, how in AVERAGED_LAWS:
+        u, v = bent(V), ufl.TestFunction(V)
+        residual = fem.Constant(V.mesh, 3.0) * operators.internal_force_form(u, v, law(1.0, 0.3, 1.0, integration=how))
+        with pytest.raises(ValueError, match="averages at the nodes.*stable step would be too long"):
+            di.ExplicitProblem(u, residual=residual, density=1.0)
+        plain = 3.0 * operators.tangent_form(u, ufl.TrialFunction(V), v, law(1.0, 0.3, 1.0))
+        problem = di.ExplicitProblem(u, residual=residual, tangent=plain, density=1.0)
+        force = operators.InternalForce(residual).apply().array[:n]
+        found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
+        assert np.abs(found + force).max() < 1e-13 * COMM.allreduce(np.abs(force).max(), MPI.MAX)
+
+
 def check_ranks_without_cells():
     """They take part in the exchange of sums: explicit forces are those of the operator, as in the check before."""
 
