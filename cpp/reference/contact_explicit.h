@@ -279,7 +279,7 @@ private:
     std::int64_t row, node;
     Meeting m;
     Vec<double> moved, f;          // predicted relative motion, force
-    Vec<double> carried;           // the part of the motion that is the facet's rotation
+    Vec<double> carried = {};      // the part of the motion that is the facet's rotation
     double normal = 0, across = 0; // responses: 1 / effective mass along and across the normal
     bool cut = false;
     bool leaves = false; // its normal force is known before the sweeps

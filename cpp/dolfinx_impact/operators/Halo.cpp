@@ -157,7 +157,7 @@ void Halo::wait(std::vector<MPI_Request>& requests)
   _traffic.waited += MPI_Wtime() - begin;
 }
 
-int Halo::checked_stride(std::span<const double> values, int bs, int stride) const
+int Halo::checked_stride([[maybe_unused]] std::span<const double> values, int bs, int stride) const
 {
   if (bs < 1 || bs > max_bs)
     throw std::invalid_argument("a Halo exchanges 1 to " + std::to_string(max_bs) + " values per node, not " +

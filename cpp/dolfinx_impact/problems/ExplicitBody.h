@@ -34,13 +34,13 @@ struct ExplicitBody
   integrators::SafeStep::Kind kind;    ///< how the stable step may change
   /// Derivatives of the internal force by the displacement [F/L], and of damping that differs between cells by the
   /// velocity, null without [F T/L]; of which the frequencies are.
-  Assemble stiffness, cell_damping;
+  Assemble stiffness = {}, cell_damping = {};
   /// Of the undeformed material of each owned cell.
   struct Elasticity
   {
     std::vector<double> moduli;      ///< of uniaxial strain [F/L^2]
     std::vector<double> wave_speeds; ///< of dilatational waves [L/T]
   };
-  std::optional<Elasticity> elasticity; ///< nothing: it is not known
+  std::optional<Elasticity> elasticity = {}; ///< nothing: it is not known
 };
 } // namespace dolfinx_impact::problems

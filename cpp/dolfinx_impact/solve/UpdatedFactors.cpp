@@ -106,6 +106,7 @@ void UpdatedFactors::select(CondensedSystem& system, std::span<const std::int64_
       part.push_back(_matrix[i * n + j]);
   _inverse.clear();
   if (!_chosen.empty())
+  {
     if (auto found = inverse(std::move(part), int(_chosen.size())))
       _inverse = std::move(*found);
     else
@@ -114,6 +115,7 @@ void UpdatedFactors::select(CondensedSystem& system, std::span<const std::int64_
       _num_missing += std::int64_t(_chosen.size());
       _chosen.clear();
     }
+  }
   _system = &system;
   _system_id = system.id();
 }

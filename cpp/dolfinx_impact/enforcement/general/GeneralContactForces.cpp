@@ -214,7 +214,6 @@ bool GeneralContact::may_begin(std::size_t i, std::size_t f, double gap, const N
 template <int D>
 bool GeneralContact::look(std::size_t i, int slot, const NodalState& state, Touches& touches)
 {
-  const int num = _loops.num_corners();
   const std::size_t node = _candidates.numbers()[i];
   const double* x = _x.data() + node * D;
   const bool closed = slot >= 0;

@@ -19,7 +19,7 @@ struct Forces
   /// Of each contact's rigid master on its slave; zero for deformable ones.
   std::vector<std::array<double, 3>> obstacles;
   /// Of each contact on its rigid master, torque about its centre; zero for those that do not turn as prescribed [F L].
-  std::vector<std::array<double, 3>> torques;
+  std::vector<std::array<double, 3>> torques = {};
 };
 
 /// Works so far, over all ranks [F L].
