@@ -63,9 +63,11 @@ void bind_systems(nb::module_& m)
   nb::class_<CondensedSystem, LinearSystem>(m, "CondensedSystem", "Multipliers condensed, or no multipliers")
       .def(
           "__init__",
-          [](CondensedSystem* self, Mat K, const Matrices& extra, bool symmetric, Condensation* condensation,
-             Mask pinned, double diagonal)
-          { new (self) CondensedSystem(K, matrices(extra), symmetric, condensation, bytes(pinned), diagonal); },
+          [](CondensedSystem* self, Mat K, const Matrices& extra, bool symmetric,
+             std::shared_ptr<Condensation> condensation, Mask pinned, double diagonal)
+          {
+            new (self) CondensedSystem(K, matrices(extra), symmetric, std::move(condensation), bytes(pinned), diagonal);
+          },
           nb::arg("K"), nb::arg("extra"), nb::arg("symmetric"), nb::arg("condensation").none(), nb::arg("pinned"),
           nb::arg("diagonal"), nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>(), nb::keep_alive<1, 5>())
       .def(

@@ -50,6 +50,9 @@ constexpr int worth_of_hierarchy = 40;
 // of the plane, 5.5 in space).
 constexpr double blocked = 5.0;
 constexpr int most_work_space = 1000; // beyond what MUMPS foresees [%]
+// Columns of released factors: entries of all of them, and how many cost as much as a solution with the factors.
+constexpr std::int64_t most_column_entries = 50'000'000;
+constexpr std::int64_t columns_per_iteration = 6;
 // Unknowns with another pin than in the factors that are left out of these: fewer ones take an iteration each.
 constexpr int least_left_out = 100;
 
@@ -209,7 +212,10 @@ LinearSolver::~LinearSolver()
   if (PetscFinalized(&over) || over)
     return;
   _updated.reset();
+  _released.reset();
+  let_go(PetscObject(_bodies));
   let_go(PetscObject(_shell));
+  let_go(PetscObject(_released_shell));
   let_go(PetscObject(_ksp));
   let_go(PetscObject(_operator));
   let_go(PetscObject(_matrix));
@@ -296,9 +302,18 @@ void LinearSolver::begin_problem()
   _spent = 0;
 }
 
+/// Forget the multipliers of the system that the factors were made of. Collective.
+void LinearSolver::forget_condensation()
+{
+  _released.reset();
+  _condensation.reset();
+  check(MatDestroy(&_bodies), "a matrix is given back");
+}
+
 void LinearSolver::forget_matrix()
 {
   _updated.reset();
+  forget_condensation();
   if (!_matrix)
     return;
   PC pc = nullptr;
@@ -423,7 +438,7 @@ bool LinearSolver::solved(LinearSystem& system, Vec b, Vec x, double rtol) const
 
 /// May the earlier preconditioner be tried? Sets how many iterations it may take. Collective. At a time it may spend as
 /// much as a new one costs, in all twice that.
-bool LinearSolver::serves(const LinearSystem& system, double rtol)
+bool LinearSolver::serves(LinearSystem& system, double rtol)
 {
   if (!_matrix || !_limits.keep_preconditioner)
     return false;
@@ -445,20 +460,29 @@ bool LinearSolver::serves(const LinearSystem& system, double rtol)
     MPI_Allreduce(MPI_IN_PLACE, &other_size, 1, MPI_INT, MPI_MAX, _comm);
     if (other_size)
       return false;
-    _num_other_pins = num_other_pins(system, false);
-    const std::int64_t differ = uses_updated(system) ? _updated->num_missing() : _num_other_pins;
-    if (differ >= left && (uses_updated(system) || num_other_pins(system, true) >= left))
-      return false;
+    if (may_release(system))
+    {
+      if (!select_released(system, left))
+        return false;
+    }
+    else
+    {
+      _num_other_pins = num_other_pins(system, _pinned, false);
+      const std::int64_t differ = uses_updated(system) ? _updated->num_missing() : _num_other_pins;
+      if (differ >= left && (uses_updated(system) || num_other_pins(system, _pinned, true) >= left))
+        return false;
+    }
   }
   check(KSPSetTolerances(_ksp, PETSC_CURRENT, PETSC_CURRENT, PETSC_CURRENT, left), "tolerances are set");
   return true;
 }
 
-/// Unknowns of all ranks that are pinned either in the system that the preconditioner was made of or in another one of
-/// the same size, not in both. Collective.
+/// Unknowns of all ranks that are pinned either in one of two systems of the same size or in the other. Collective.
+/// @param[in] pinned unknowns of the system that the preconditioner was made of
 /// @param[in] coupled only those that are free now, or whose equations have free unknowns: a body that is pinned as a
 /// whole takes no iterations
-std::int64_t LinearSolver::num_other_pins(const LinearSystem& system, bool coupled) const
+std::int64_t LinearSolver::num_other_pins(const LinearSystem& system, std::span<const std::int8_t> pinned,
+                                          bool coupled) const
 {
   const std::span<const std::int8_t> now = system.pinned();
   std::vector<double> reached(now.size(), 1.0);
@@ -484,7 +508,7 @@ std::int64_t LinearSolver::num_other_pins(const LinearSystem& system, bool coupl
   }
   std::int64_t out = 0;
   for (std::size_t i = 0; i < now.size(); ++i)
-    out += bool(now[i]) != bool(_pinned[i]) && (!now[i] || reached[i] != 0.0);
+    out += bool(now[i]) != bool(pinned[i]) && (!now[i] || reached[i] != 0.0);
   MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT64_T, MPI_SUM, _comm);
   return out;
 }
@@ -547,6 +571,14 @@ void LinearSolver::prepare(LinearSystem& system)
   ++_num_set_ups;
   _pinned.assign(system.pinned().begin(), system.pinned().end());
   _own = system.id();
+  if (const auto* const condensed = dynamic_cast<const CondensedSystem*>(&system);
+      condensed && condensed->shared_condensation() &&
+      ReleasedFactors::num_columns(_comm, *condensed->shared_condensation()) > 0)
+  {
+    _condensation = condensed->shared_condensation();
+    _bodies = system.K();
+    check(PetscObjectReference(PetscObject(_bodies)), "a matrix is kept");
+  }
 }
 
 /// Has MUMPS ended because pivots that it put off took more memory than it had foreseen? Then ask for more. Small
@@ -601,6 +633,65 @@ PetscErrorCode LinearSolver::apply_updated(PC pc, Vec r, Vec z)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
+PetscErrorCode LinearSolver::apply_released(PC pc, Vec r, Vec z)
+{
+  void* context = nullptr;
+  PetscFunctionBeginUser;
+  PetscCall(PCShellGetContext(pc, &context));
+  try
+  {
+    static_cast<const LinearSolver*>(context)->_released->apply(r, z);
+  }
+  catch (const std::exception& error) // it must not pass through PETSc's C
+  {
+    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", error.what());
+  }
+  PetscFunctionReturn(PETSC_SUCCESS);
+}
+
+/// Are the factors those of bodies that multipliers press together, and has this system none? The same on all ranks.
+bool LinearSolver::may_release(const LinearSystem& system) const
+{
+  const auto* const condensed = dynamic_cast<const CondensedSystem*>(&system);
+  return _condensation && _condensation->symmetric() && uses_mumps() && condensed && !condensed->shared_condensation();
+}
+
+/// Are there released factors for this system?
+bool LinearSolver::releases(const LinearSystem& system) const
+{
+  return _released && _own != system.id() && _released->serves(system);
+}
+
+/// Release the conditions of the factors for a system without multipliers. Collective.
+/// @param[in] left iterations that they may take
+/// @returns whether they may serve: no unknown was pinned in the factors that is free now, and few have been pinned
+/// since whose equations have free unknowns
+bool LinearSolver::select_released(LinearSystem& system, int left)
+{
+  std::vector<std::int8_t> supported(_pinned);
+  int freed = 0;
+  for (std::size_t i = 0; i < supported.size(); ++i)
+  {
+    supported[i] = _pinned[i] && !_condensation->pinned()[i];
+    freed = freed || (supported[i] && !system.pinned()[i]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &freed, 1, MPI_INT, MPI_MAX, _comm);
+  if (freed || num_other_pins(system, supported, true) >= left)
+    return false;
+  if (!_released)
+  {
+    const std::int64_t columns = ReleasedFactors::num_columns(_comm, *_condensation);
+    PetscInt rows = 0;
+    check(MatGetSize(_matrix, &rows, nullptr), "a matrix is asked for its size");
+    // Solutions with many right sides take a sixth of the time of single ones.
+    if (columns * std::int64_t(rows) > most_column_entries || columns > columns_per_iteration * std::int64_t(left))
+      return false;
+    _released = std::make_unique<ReleasedFactors>(factors(), _condensation, _pinned, _bodies);
+    check(MatDestroy(&_bodies), "a matrix is given back");
+  }
+  return _released->select(dynamic_cast<CondensedSystem&>(system));
+}
+
 /// Are there factors that were updated for this system?
 bool LinearSolver::uses_updated(const LinearSystem& system) const
 {
@@ -641,17 +732,21 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
   check(KSPGetPC(_ksp, &pc), "a preconditioner is asked for");
   check(PetscObjectReference(PetscObject(pc)), "a preconditioner is kept");
   std::optional<OtherPins> others;
-  if (uses_updated(system))
+  const auto choose_shell = [&](PC& shell, PetscErrorCode (*apply)(PC, Vec, Vec))
   {
-    if (!_shell)
+    if (!shell)
     {
-      check(PCCreate(_comm, &_shell), "a preconditioner is made");
-      check(PCSetType(_shell, PCSHELL), "a preconditioner is made");
-      check(PCShellSetContext(_shell, this), "a preconditioner is made");
-      check(PCShellSetApply(_shell, &LinearSolver::apply_updated), "a preconditioner is made");
+      check(PCCreate(_comm, &shell), "a preconditioner is made");
+      check(PCSetType(shell, PCSHELL), "a preconditioner is made");
+      check(PCShellSetContext(shell, this), "a preconditioner is made");
+      check(PCShellSetApply(shell, apply), "a preconditioner is made");
     }
-    check(KSPSetPC(_ksp, _shell), "a preconditioner is chosen");
-  }
+    check(KSPSetPC(_ksp, shell), "a preconditioner is chosen");
+  };
+  if (uses_updated(system))
+    choose_shell(_shell, &LinearSolver::apply_updated);
+  else if (releases(system))
+    choose_shell(_released_shell, &LinearSolver::apply_released);
   else if (const auto* const condensed = dynamic_cast<const CondensedSystem*>(&system);
            condensed && _own != system.id() && leaves_out_pins(system))
   {

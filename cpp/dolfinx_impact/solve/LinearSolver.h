@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include "LinearSystem.h"
+#include "ReleasedFactors.h"
 #include "UpdatedFactors.h"
 #include <array>
 #include <dolfinx/fem/FunctionSpace.h>
@@ -98,15 +99,20 @@ private:
   };
   static PetscErrorCode multiply(Mat A, Vec x, Vec y);
   static PetscErrorCode apply_updated(PC pc, Vec r, Vec z);
+  static PetscErrorCode apply_released(PC pc, Vec r, Vec z);
 
   void set_option(const std::string& key, const std::string& value);
   void forget_matrix();
   void choose_method(const char* method);
   bool uses_updated(const LinearSystem& system) const;
   bool leaves_out_pins(const LinearSystem& system) const;
+  bool releases(const LinearSystem& system) const;
+  bool may_release(const LinearSystem& system) const;
+  bool select_released(LinearSystem& system, int left);
+  void forget_condensation();
   bool solved(LinearSystem& system, Vec b, Vec x, double rtol) const;
-  bool serves(const LinearSystem& system, double rtol);
-  std::int64_t num_other_pins(const LinearSystem& system, bool coupled) const;
+  bool serves(LinearSystem& system, double rtol);
+  std::int64_t num_other_pins(const LinearSystem& system, std::span<const std::int8_t> pinned, bool coupled) const;
   void judge(double rtol);
   int worth_of_factors() const;
   void prepare(LinearSystem& system);
@@ -128,7 +134,12 @@ private:
   std::unique_ptr<Operator> _product;     ///< its context
   Mat _matrix = nullptr;                  ///< that the preconditioner was made of
   std::unique_ptr<UpdatedFactors> _updated;
-  PC _shell = nullptr;              ///< applies them
+  /// Of the system that the factors were made of; null: it had no multipliers.
+  std::shared_ptr<enforcement::Condensation> _condensation;
+  Mat _bodies = nullptr; ///< stiffness of that system, until it has been read for `_released`
+  std::unique_ptr<ReleasedFactors> _released;
+  PC _shell = nullptr;              ///< applies updated factors
+  PC _released_shell = nullptr;     ///< applies released factors
   std::uint64_t _own = 0;           ///< number of the system that it was made of
   std::vector<std::int8_t> _pinned; ///< of that system
   std::int64_t _num_other_pins = 0; ///< unknowns of all ranks pinned either there or in the present system, not in both

@@ -26,10 +26,10 @@ LinearSystem::LinearSystem(Mat K, std::span<const Mat> extra) : _stiffness{K}, _
 // --- condensed ------------------------------------------------------------------------------------------------------
 
 CondensedSystem::CondensedSystem(Mat K, std::span<const Mat> extra, bool symmetric,
-                                 enforcement::Condensation* condensation, std::vector<std::int8_t> pinned,
-                                 double diagonal)
-    : LinearSystem(K, extra), _condensation(condensation),
-      _symmetric(symmetric && (!condensation || condensation->symmetric())), _pinned(std::move(pinned)),
+                                 std::shared_ptr<enforcement::Condensation> condensation,
+                                 std::vector<std::int8_t> pinned, double diagonal)
+    : LinearSystem(K, extra), _condensation(std::move(condensation)),
+      _symmetric(symmetric && (!_condensation || _condensation->symmetric())), _pinned(std::move(pinned)),
       _diagonal(diagonal)
 {
   for (std::size_t i = 0; i < _pinned.size(); ++i)

@@ -3,6 +3,7 @@
 #include "../enforcement/mortar/Condensation.h"
 #include "../enforcement/mortar/SaddlePoint.h"
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <petscmat.h>
 #include <span>
@@ -59,8 +60,9 @@ public:
   /// @param[in] condensation of the multipliers; null: there are none
   /// @param[in] pinned mask over owned degrees of freedom
   /// @param[in] diagonal d, an entry of K's size [F/L]
-  CondensedSystem(Mat K, std::span<const Mat> extra, bool symmetric, enforcement::Condensation* condensation,
-                  std::vector<std::int8_t> pinned, double diagonal);
+  CondensedSystem(Mat K, std::span<const Mat> extra, bool symmetric,
+                  std::shared_ptr<enforcement::Condensation> condensation, std::vector<std::int8_t> pinned,
+                  double diagonal);
   ~CondensedSystem() override;
 
   void mult(Vec x, Vec y) override;
@@ -70,7 +72,9 @@ public:
   Vec create_vector() const override;
   std::span<const std::int8_t> pinned() const override { return _pinned; }
   bool symmetric() const override { return _symmetric; }
-  enforcement::Condensation* condensation() { return _condensation; }
+  enforcement::Condensation* condensation() { return _condensation.get(); }
+  /// The same, to be kept longer than the system.
+  std::shared_ptr<enforcement::Condensation> shared_condensation() const { return _condensation; }
   /// Columns of A as a matrix that has a column for each of the unknowns of this rank that are given, the caller's to
   /// destroy. Rows of pinned unknowns are zero. Collective.
   /// @param[in] unknowns local numbers of owned unknowns that are not pinned
@@ -86,7 +90,7 @@ protected:
 private:
   void multiply_stiffness(Vec x, Vec y) const;
 
-  enforcement::Condensation* _condensation;
+  std::shared_ptr<enforcement::Condensation> _condensation;
   bool _symmetric;
   std::vector<std::int8_t> _pinned;
   std::vector<PetscInt> _pinned_rows; ///< local

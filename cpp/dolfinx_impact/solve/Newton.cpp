@@ -946,8 +946,8 @@ Newton::OneSolution Newton::solve_once(const Stiffness& stiffness, std::vector<d
   }
   else
   {
-    system = std::make_unique<CondensedSystem>(stiffness.K, extra, stiffness.symmetric, condensed.get(), pinned,
-                                               stiffness.mean);
+    system =
+        std::make_unique<CondensedSystem>(stiffness.K, extra, stiffness.symmetric, condensed, pinned, stiffness.mean);
     if (condensed)
       start = condensed->unknowns(guess);
     if (UpdatedFactors* const updated = solver.updated(); updated && condensed)

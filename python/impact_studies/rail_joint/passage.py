@@ -34,7 +34,7 @@ TOLERANCE = 3e-5  # of the preload's residual: the time steps that follow make l
 FRAMES = 25  # pictures of a passage
 LOOKS = 20  # steps between looks at the progress bar, each of which takes as long as a step
 ROUND_OFF = 1e-12  # of times
-CARRIED = ("pressed", "sunk", "unloaded", "factors_from")  # displacements that later equilibria begin with
+CARRIED = ("pressed", "sunk", "unloaded")  # displacements that later equilibria begin with
 ENERGIES = ("kinetic", "internal", "contact", "friction", "impact", "damping", "viscosity", "plastic", "external")
 ROWS = 100_000_000  # of histories: all steps are kept, as a run that is resumed keeps them, too
 
@@ -187,9 +187,8 @@ class Passage:
         self._penalty: float | None = None  # median of the springs with which the explicit problem begins [Pa/m]
         self._unloaded: FloatArray | None = None  # displacements after the passage before, without a wheel [m]
         self._pressed: FloatArray | None = None  # what the last preload added to the displacements [m]
-        self._springs: StaticProblem | None = None  # its factors serve the equilibria that follow
-        # Displacements from which it was solved; None: no factors serve [m].
-        self._factors_from: FloatArray | None = None
+        self._first: StaticProblem | None = None  # the first preload, whose factors serve the equilibria that follow
+        self._shares = False  # whether they do
         self._sunk: FloatArray | None = None  # what springs in the place of its multipliers added to them [m]
 
     @property
@@ -234,16 +233,17 @@ class Passage:
         """
         model = self.model
         self.residual = None  # its matrices need not lie beside those of the next passage
-        static = self._static(Lagrange(model.pair(0.0)))
         before: FloatArray = self.u.x.array.copy()
         if self._pressed is None:
-            # A sphere that overlaps a plane by half of Hertz's approach cuts out Hertz's contact: the active set of the
-            # start is hardly wrong.
-            self.u.x.array.reshape(-1, 3)[self._wheel, 2] -= 0.5 * model.data.hertz.approach
+            static = self._press(self.u)
         else:
+            static = self._static(Lagrange(model.pair(0.0)))
             self.u.x.array[:] += self._pressed  # the wheel comes back to a rail that has hardly changed there
-        static.solve(rtol=TOLERANCE)
-        static.linear_solver.reset()
+            static.solve(rtol=TOLERANCE)
+        if self._pressed is None and self._options is not None:  # factors for all equilibria that follow
+            self._first, self._shares = static, True
+        else:
+            static.linear_solver.reset()
         self._pressed = self.u.x.array - before
         contact = static.contact[0]
         assert contact.force is not None
@@ -254,29 +254,38 @@ class Passage:
         self._mean_pressure = self.static_force / model.data.sides / area
         return static
 
+    def _press(self, u: fem.Function) -> StaticProblem:
+        """Press the wheel on rails that no wheel has passed. Collective.
+
+        Args:
+            u: zero; becomes the displacement [m].
+        """
+        static = self._static(Lagrange(self.model.pair(0.0)), u)
+        # A sphere that overlaps a plane by half of Hertz's approach cuts out Hertz's contact: the active set of the
+        # start is hardly wrong.
+        u.x.array.reshape(-1, 3)[self._wheel, 2] -= 0.5 * self.model.data.hertz.approach
+        static.solve(rtol=TOLERANCE)
+        return static
+
     def _solve_with_factors(self, static: StaticProblem) -> None:
-        """Solve with the factors of the first equilibrium with springs while they serve. A wheel that is lifted off
-        takes six iterations with them, springs of another passage five (234,756 unknowns); factors cost as much as 38.
-        Multipliers would take 60: they have factors of their own.
+        """Solve with the factors of the first preload while they serve. Multipliers of later preloads would take 60
+        iterations: they have factors of their own.
 
         A run that was resumed has no factors, and its numbers shall be those of one that was not to the last digit: it
-        solves that equilibrium again. Collective."""
-        if self._springs is None and self._factors_from is not None:
-            u = fem.Function(self.model.V)
-            u.x.array[:] = self._factors_from
-            self._springs = self._static(self._springs_contact(), u)
-            self._springs.solve(rtol=TOLERANCE)
-        if self._springs is None:
+        solves the first preload again. Collective."""
+        if self._first is None and self._shares:
+            self._first = self._press(fem.Function(self.model.V))
+        if self._first is None:
             static.solve(rtol=TOLERANCE)
             static.linear_solver.reset()
             return
-        static.share_linear_solver(self._springs)
+        static.share_linear_solver(self._first)
         before = static.linear_solver.num_set_ups
         static.solve(rtol=TOLERANCE)
         if static.linear_solver.num_set_ups > before:
             # Factors of a state that could not be found again.
             static.linear_solver.reset()
-            self._springs = self._factors_from = None
+            self._first, self._shares = None, False
 
     def _give_history(self, problem: Any) -> None:
         for name, values in self._history.items():
@@ -314,12 +323,7 @@ class Passage:
             self.u.x.array.reshape(-1, 3)[self._wheel, 2] -= self._mean_pressure / self._penalty
         else:
             self.u.x.array[:] += self._sunk
-        if self._unloaded is None and self._options is not None:  # the first passage, factors for all
-            self._factors_from = self.u.x.array.copy()
-            springs.solve(rtol=TOLERANCE)
-            self._springs = springs
-        else:
-            self._solve_with_factors(springs)
+        self._solve_with_factors(springs)
         self._sunk = self.u.x.array - before
         velocity = self.model.rolling_velocity(self.u)
         self.run = ExplicitProblem.from_static(springs, velocity=velocity, **self.explicit_arguments())
@@ -350,7 +354,10 @@ class Passage:
         """What `read_carried` needs beside the file of `write_carried`, for JSON."""
         columns = {name: int(np.prod(values.shape[1:])) for name, values in self._history.items()}
         fields = [name for name in CARRIED if getattr(self, f"_{name}") is not None]
-        return {"penalty": self._penalty, "static_force": self.static_force, "history": columns, "fields": fields}
+        return {
+            "penalty": self._penalty, "static_force": self.static_force, "history": columns, "fields": fields,
+            "shares": self._shares,
+        }  # fmt: skip
 
     def write_carried(self, path: FilePath) -> None:
         """Write what the next passages begin with: starts of their equilibria, history of the steel. Collective.
@@ -398,6 +405,7 @@ class Passage:
         history = found.part("history")
         self._history = {n: history.array(n).reshape(run.history[n].values.shape) for n in history.names}
         self._penalty, self.static_force = numbers["penalty"], float(numbers["static_force"])
+        self._shares = bool(numbers["shares"])
         if self.run is None and self._unloaded is not None:
             self.u.x.array[:] = self._unloaded
 

@@ -259,17 +259,19 @@ def check_prediction_of_a_long_run():
 
 
 def check_a_lifted_wheel_needs_no_factors_of_its_own():
-    """Those of the springs serve. Displacements are as with its own to the tolerance of equilibria."""
+    """Nor do springs in the place of multipliers: those of the preload serve. Displacements are as with their own to
+    the tolerance of equilibria."""
     found = []
     model = JointModel(TINY, COMM)
     for shared in (True, False):
         passage = Passage(model, progress=False)
-        passage.start(passage.preload())
+        static = passage.preload()
         if not shared:
-            passage._springs = passage._factors_from = None
+            passage._first, passage._shares = None, False
+        passage.start(static)
         loaded = COMM.allreduce(np.abs(passage.u.x.array).max(), MPI.MAX)
         passage.unload()
-        assert (passage._factors_from is not None) == shared, "it has made no factors"
+        assert passage._shares == shared, "no factors but those of the preload were made"
         assert passage.residual.linear_solver.num_set_ups == 1
         found.append(passage.u.x.array.copy())
     # Elastic rails go back to where they were: to the tolerance of equilibria, 3e-5 of the forces.

@@ -169,6 +169,15 @@ std::vector<double> Condensation::increment(Vec y) const
   return out;
 }
 
+void Condensation::add_constrained(std::int32_t unknown, std::span<double> increments) const
+{
+  const std::int32_t node = unknown / _gdim, d = unknown % _gdim;
+  for (const Constraints& p : _parts)
+    for (std::size_t i = 0; i < p.size(); ++i)
+      for (int a = 0; a < _gdim && p.nodes[i] == node; ++a)
+        increments[std::size_t(node) * _gdim + a] += p.frames[(i * _gdim + a) * _gdim + d];
+}
+
 Mat Condensation::condense(Mat K) const
 {
   Mat out = nullptr, product = nullptr;

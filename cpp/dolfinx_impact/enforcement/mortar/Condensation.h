@@ -36,6 +36,10 @@ public:
   std::vector<double> unknowns(std::span<const double> increments) const;
   /// Displacement increments T y + known. Collective.
   std::vector<double> increment(Vec y) const;
+  /// Add displacement increments along a constrained direction.
+  /// @param[in] unknown that stands for the direction, pinned
+  /// @param[in,out] increments owned; those of its node have one more along the direction [L]
+  void add_constrained(std::int32_t unknown, std::span<double> increments) const;
   /// T_L^T K T, the caller's to destroy. Collective.
   Mat condense(Mat K) const;
 

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include "ReleasedFactors.h"
+#include "../operators/petsc_check.h"
+#include "dense.h"
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+using dolfinx_impact::operators::check;
+using dolfinx_impact::operators::Entries;
+
+namespace dolfinx_impact::solve
+{
+namespace
+{
+// Stiffness of combinations of columns that move nothing but what the system pins, over the largest: round-off.
+constexpr double least_stiffness = 1e-9;
+} // namespace
+
+std::int64_t ReleasedFactors::num_columns(MPI_Comm comm, const enforcement::Condensation& condensation)
+{
+  std::int64_t out = std::ranges::count_if(condensation.pinned(), [](std::int8_t pinned) { return pinned != 0; });
+  MPI_Allreduce(MPI_IN_PLACE, &out, 1, MPI_INT64_T, MPI_SUM, comm);
+  return out;
+}
+
+ReleasedFactors::ReleasedFactors(Mat factors, std::shared_ptr<enforcement::Condensation> condensation,
+                                 std::vector<std::int8_t> pinned, Mat K)
+    : _comm(PetscObjectComm(PetscObject(K))), _factors(factors), _condensation(std::move(condensation)),
+      _pinned(std::move(pinned)), _num_columns(int(num_columns(_comm, *_condensation)))
+{
+  std::ranges::fill(_condensation->known, 0.0);
+  const std::size_t owned = _pinned.size();
+  check(MatCreateVecs(_condensation->right(), &_right, &_answer), "vectors are made");
+  check(MatCreateVecs(K, &_moved, &_force), "vectors are made");
+  // The constrained components of this rank, and the number of the first of them among those of all ranks.
+  std::vector<std::int32_t> own;
+  for (std::size_t i = 0; i < owned; ++i)
+    if (_condensation->pinned()[i])
+      own.push_back(std::int32_t(i));
+  int count = int(own.size()), first = 0;
+  MPI_Exscan(&count, &first, 1, MPI_INT, MPI_SUM, _comm);
+  int rank = 0;
+  MPI_Comm_rank(_comm, &rank);
+  first = rank == 0 ? 0 : first; // MPI_Exscan leaves it undefined there
+  Mat right = nullptr, answer = nullptr;
+  check(MatCreateDense(_comm, PetscInt(owned), PETSC_DECIDE, PETSC_DETERMINE, _num_columns, nullptr, &right),
+        "right sides are made");
+  _columns.assign(owned * std::size_t(_num_columns), 0.0);
+  double* sides = nullptr;
+  check(MatDenseGetArrayWrite(right, &sides), "right sides are written");
+  for (int k = 0; k < _num_columns; ++k)
+  {
+    double* const column = &_columns[std::size_t(k) * owned];
+    if (k >= first && k < first + count)
+      _condensation->add_constrained(own[k - first], {column, owned});
+    {
+      Entries moved(_moved);
+      std::copy_n(column, owned, &moved[0]);
+    }
+    check(MatMult(K, _moved, _force), "a matrix is multiplied");
+    const std::vector<double> condensed = _condensation->residual(operators::values_of(_force, owned));
+    for (std::size_t i = 0; i < owned; ++i)
+      sides[std::size_t(k) * owned + i] = _pinned[i] ? 0.0 : -condensed[i];
+  }
+  check(MatDenseRestoreArrayWrite(right, &sides), "right sides are written");
+  check(MatAssemblyBegin(right, MAT_FINAL_ASSEMBLY), "right sides are made");
+  check(MatAssemblyEnd(right, MAT_FINAL_ASSEMBLY), "right sides are made");
+  check(MatDuplicate(right, MAT_DO_NOT_COPY_VALUES, &answer), "solutions are made");
+  check(MatMatSolve(_factors, right, answer), "columns are solved for");
+  const double* solutions = nullptr;
+  check(MatDenseGetArrayRead(answer, &solutions), "solutions are read");
+  for (int k = 0; k < _num_columns; ++k)
+  {
+    {
+      Entries unknowns(_answer);
+      std::copy_n(solutions + std::size_t(k) * owned, owned, &unknowns[0]);
+    }
+    const std::vector<double> moved = _condensation->increment(_answer);
+    for (std::size_t i = 0; i < owned; ++i)
+      _columns[std::size_t(k) * owned + i] += moved[i];
+  }
+  check(MatDenseRestoreArrayRead(answer, &solutions), "solutions are read");
+  check(MatDestroy(&right), "right sides are destroyed");
+  check(MatDestroy(&answer), "solutions are destroyed");
+}
+
+ReleasedFactors::~ReleasedFactors()
+{
+  for (Vec v : {_right, _answer, _moved, _force})
+    operators::let_go(PetscObject(v));
+}
+
+/// X^T times owned values. Collective.
+std::vector<double> ReleasedFactors::products(std::span<const double> values) const
+{
+  std::vector<double> out(_num_columns, 0.0);
+  if (!values.empty())
+    out = dense_product(_columns, values, _num_columns);
+  MPI_Allreduce(MPI_IN_PLACE, out.data(), _num_columns, MPI_DOUBLE, MPI_SUM, _comm);
+  return out;
+}
+
+/// Forces of increments in the selected system, zero at its pinned unknowns. Collective.
+std::vector<double> ReleasedFactors::forces_of(std::span<const double> increments) const
+{
+  const std::span<const std::int8_t> pinned = _system->pinned();
+  {
+    Entries moved(_moved);
+    for (std::size_t i = 0; i < increments.size(); ++i)
+      moved[i] = pinned[i] ? 0.0 : increments[i];
+  }
+  _system->mult(_moved, _force);
+  return operators::values_of(_force, increments.size());
+}
+
+bool ReleasedFactors::select(CondensedSystem& system)
+{
+  _system = &system;
+  _system_id = 0;
+  const std::size_t owned = _pinned.size();
+  std::vector<double> matrix(std::size_t(_num_columns) * _num_columns);
+  for (int j = 0; j < _num_columns; ++j)
+  {
+    const std::vector<double> column = products(forces_of({_columns.data() + std::size_t(j) * owned, owned}));
+    for (int i = 0; i < _num_columns; ++i)
+      matrix[std::size_t(i) * _num_columns + j] = column[i];
+  }
+  // A body that is held as a whole and that the others' conditions left free is not opened by columns that move it
+  // alone: those have no part in the system.
+  const SymmetricEigen found = symmetric_eigen(std::move(matrix), _num_columns);
+  _inverse.assign(std::size_t(_num_columns) * _num_columns, 0.0);
+  for (int k = 0; k < _num_columns; ++k)
+  {
+    if (!(found.values[k] > least_stiffness * found.values.back()))
+      continue;
+    const double* const vector = &found.vectors[std::size_t(k) * _num_columns];
+    for (int i = 0; i < _num_columns; ++i)
+      for (int j = 0; j < _num_columns; ++j)
+        _inverse[std::size_t(i) * _num_columns + j] += vector[i] * vector[j] / found.values[k];
+  }
+  if (!std::isfinite(found.values.back()) || found.values.back() <= 0.0)
+    return false;
+  _system_id = system.id();
+  return true;
+}
+
+void ReleasedFactors::apply(Vec r, Vec z) const
+{
+  const std::span<const std::int8_t> now = _system->pinned();
+  const std::vector<double> forces = _system->forces(r);
+  {
+    const std::vector<double> condensed = _condensation->residual(forces);
+    Entries right(_right);
+    for (std::size_t i = 0; i < condensed.size(); ++i)
+      right[i] = _pinned[i] ? 0.0 : condensed[i];
+  }
+  check(MatSolve(_factors, _right, _answer), "a linear system is solved");
+  std::vector<double> moved = _condensation->increment(_answer);
+  std::vector<double> left = forces_of(moved);
+  for (std::size_t i = 0; i < left.size(); ++i)
+    left[i] = now[i] ? 0.0 : forces[i] - left[i];
+  const std::vector<double> openings = dense_product(_inverse, products(left), _num_columns);
+  for (int k = 0; k < _num_columns; ++k)
+  {
+    const double* const column = &_columns[std::size_t(k) * moved.size()];
+    for (std::size_t i = 0; i < moved.size(); ++i)
+      moved[i] += openings[k] * column[i];
+  }
+  _system->set_unknowns(moved, r, z);
+}
+} // namespace dolfinx_impact::solve
