@@ -118,6 +118,7 @@ def _table() -> tuple[Row, ...]:
                     names += ["body_force", "gravity", "traction", "mass", "row_sum"]
                 rows += [Row(name, cell, 1, 1, hypothesis) for name in names]
     rows += [Row(f"linear_elastic.reduced.{kind}", "hexahedron", 1, 1, "3d") for kind in one_point.KINDS]
+    rows.append(Row("neo_hookean.reduced.force", "hexahedron", 1, 1, "3d"))
     for cell, degree, hypothesis, laws in PLASTIC:
         names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):
@@ -131,5 +132,8 @@ TABLE = _table()
 IN_FLOAT = tuple(
     row
     for row in TABLE
-    if row.name in ("linear_elastic.force", "neo_hookean.force") and row.hypothesis == "3d" and row.geometry_degree == 1
+    if row.name
+    in [f"{law}.{force}" for law in ("linear_elastic", "neo_hookean") for force in ("force", "reduced.force")]
+    and row.hypothesis == "3d"
+    and row.geometry_degree == 1
 )

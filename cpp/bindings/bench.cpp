@@ -49,13 +49,13 @@ void dolfinx_impact::bindings::bench(nb::module_& m)
       .def(
           "__init__",
           [](HandWrittenStep* self, Values x, Indices cells, int nodes_per_cell, double mu, double lambda, Values mass,
-             int width)
+             int width, bool one_point)
           {
-            new (self)
-                HandWrittenStep(view(x), {cells.data(), cells.size()}, nodes_per_cell, {mu, lambda}, view(mass), width);
+            new (self) HandWrittenStep(view(x), {cells.data(), cells.size()}, {nodes_per_cell, one_point}, {mu, lambda},
+                                       view(mass), width);
           },
           nb::arg("x"), nb::arg("cells"), nb::arg("nodes_per_cell"), nb::arg("mu"), nb::arg("lambda_"), nb::arg("mass"),
-          nb::arg("width"))
+          nb::arg("width"), nb::arg("one_point") = false)
       .def(
           "start", [](HandWrittenStep& self, Values u, Values v) { self.start(view(u), view(v)); }, nb::arg("u"),
           nb::arg("v"))

@@ -9,6 +9,7 @@ from dolfinx_impact.forms import one_point as forms
 from impact_verify import element, one_point
 from impact_verify.model_warnings import model_warnings_off
 from impact_verify.report import Report
+from impact_verify.scenarios.explicit_runs import FLOAT_STEPS, IN_FLOAT
 
 
 def worst(law="linear_elastic", cell="quadrilateral", hypothesis="plane_strain"):
@@ -27,6 +28,14 @@ def test_motions_agree():
     with model_warnings_off():
         found = one_point.motion_differences("linear_elastic", "hexahedron", "3d")
     assert max(found.values()) < one_point.GROWTH, found
+
+
+@pytest.mark.parametrize("law", ["linear_elastic", "neo_hookean"])
+def test_motions_in_mixed_precision_agree(law):
+    """They are not those of double: the largest difference is beyond the round-off of that."""
+    with model_warnings_off():
+        found = one_point.motion_differences(law, "hexahedron", "3d", "mixed", FLOAT_STEPS)
+    assert one_point.GROWTH < max(found.values()) < IN_FLOAT[law].tolerance, found
 
 
 def test_rows_are_added(monkeypatch):

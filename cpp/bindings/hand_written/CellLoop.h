@@ -34,12 +34,19 @@ using add_forces_function = void (*)(const CellBatches&, const Elasticity&, cons
 /// Makes a step of the central difference method for `num_nodes` nodes, and sets r to zero.
 using update_function = void (*)(std::size_t num_nodes, double step, const NodalArrays&);
 
+/// What the loops are for: nodes and points of a cell.
+struct CellKind
+{
+  int num_nodes = 0;
+  bool one_point = false; ///< and hourglass control, docs/one_point.md: of hexahedra
+};
+
 /// The functions for cells with 8 nodes (hexahedra), 4 and 10 (tetrahedra).
 struct CellLoop
 {
   add_forces_function add_forces = nullptr;
   update_function update = nullptr;
 };
-CellLoop loop4(int num_nodes); ///< AVX2: four cells at a time
-CellLoop loop8(int num_nodes); ///< AVX-512: eight cells at a time
+CellLoop loop4(const CellKind& kind); ///< AVX2: four cells at a time
+CellLoop loop8(const CellKind& kind); ///< AVX-512: eight cells at a time
 } // namespace dolfinx_impact::hand_written

@@ -10,16 +10,16 @@ namespace dolfinx_impact::hand_written
 {
 namespace
 {
-CellLoop loop(int nodes_per_cell, int width)
+CellLoop loop(const CellKind& kind, int width)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
-  const CellLoop found = width == 8 ? loop8(nodes_per_cell) : width == 4 ? loop4(nodes_per_cell) : CellLoop{};
+  const CellLoop found = width == 8 ? loop8(kind) : width == 4 ? loop4(kind) : CellLoop{};
   if (found.add_forces)
     return found;
 #endif
-  throw std::invalid_argument("there is no step written by hand for cells with " + std::to_string(nodes_per_cell) +
-                              " nodes, " + std::to_string(width) +
-                              " at a time: use 4, 8 or 10 nodes, 4 (AVX2) or 8 (AVX-512) cells");
+  throw std::invalid_argument("there is no step written by hand for cells with " + std::to_string(kind.num_nodes) +
+                              " nodes" + (kind.one_point ? " and one point, " : ", ") + std::to_string(width) +
+                              " at a time: use 4, 8 or 10 nodes, one point with 8, 4 (AVX2) or 8 (AVX-512) cells");
 }
 
 void spread(std::span<const double> values, double* padded)
@@ -40,10 +40,11 @@ std::vector<int> HandWrittenStep::widths()
   return out;
 }
 
-HandWrittenStep::HandWrittenStep(std::span<const double> x, std::span<const std::int32_t> cells, int nodes_per_cell,
+HandWrittenStep::HandWrittenStep(std::span<const double> x, std::span<const std::int32_t> cells, const CellKind& kind,
                                  const Elasticity& elasticity, std::span<const double> mass, int width)
-    : _loop(loop(nodes_per_cell, width)), _elasticity(elasticity), _num_nodes(mass.size())
+    : _loop(loop(kind, width)), _elasticity(elasticity), _num_nodes(mass.size())
 {
+  const int nodes_per_cell = kind.num_nodes;
   if (x.size() != 3 * _num_nodes || cells.size() % nodes_per_cell != 0 || cells.empty())
     throw std::invalid_argument("the arrays of a step written by hand do not fit together");
   if (std::ranges::any_of(cells, [this](std::int32_t n) { return n < 0 || std::size_t(n) >= _num_nodes; }))

@@ -16,13 +16,13 @@ public:
   static std::vector<int> widths();
   /// @param[in] x positions of the nodes, shape (num_nodes, 3) [L]
   /// @param[in] cells nodes of each cell in DOLFINx's order, shape (num_cells, nodes_per_cell)
-  /// @param[in] nodes_per_cell 8: hexahedra with 2 x 2 x 2 points; 4, 10: tetrahedra with straight sides and one and
-  /// four points
+  /// @param[in] kind 8 nodes: hexahedra with 2 x 2 x 2 points, or one and hourglass control; 4, 10: tetrahedra with
+  /// straight sides and one and four points
   /// @param[in] elasticity Lame's constants
   /// @param[in] mass of each node [M]
   /// @param[in] width cells at a time: 4 (AVX2) or 8 (AVX-512)
   /// @throws std::invalid_argument for other cells or widths, and for arrays whose sizes do not fit
-  HandWrittenStep(std::span<const double> x, std::span<const std::int32_t> cells, int nodes_per_cell,
+  HandWrittenStep(std::span<const double> x, std::span<const std::int32_t> cells, const CellKind& kind,
                   const Elasticity& elasticity, std::span<const double> mass, int width);
   /// @param[in] u displacements, shape (num_nodes, 3) [L]
   /// @param[in] v velocities, shape (num_nodes, 3) [L/T]

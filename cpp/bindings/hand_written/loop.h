@@ -318,7 +318,147 @@ ALWAYS void hexahedron8(const std::int32_t* nodes, const Elasticity& e, const No
     scatter(a.r, nodes + i * W, {{n[0][i], n[1][i], n[2][i]}});
 }
 
-template <int N>
+/// Derivatives by the reference coordinates at the centre of a hexahedron: those by one coordinate times 4, by the two
+/// others times 2, and by all three.
+struct CentreDerivatives
+{
+  Vector first[3], second[3], third;
+};
+
+/// Nodes are added and subtracted as they are read, so that half of them need registers.
+ALWAYS CentreDerivatives centre_derivatives(const double* values, const std::int32_t* nodes)
+{
+  Vector sum[2], by_0[2], by_1[2], by_01[2]; // of the four nodes at either end of the last direction
+  for (int k = 0; k < 2; ++k)
+  {
+    const Vector n0 = gather(values, nodes + 4 * k * W), n1 = gather(values, nodes + (4 * k + 1) * W);
+    const Vector low_sum = n0 + n1, low_step = n1 - n0;
+    const Vector n2 = gather(values, nodes + (4 * k + 2) * W), n3 = gather(values, nodes + (4 * k + 3) * W);
+    const Vector high_sum = n2 + n3, high_step = n3 - n2;
+    sum[k] = low_sum + high_sum;
+    by_0[k] = low_step + high_step;
+    by_1[k] = high_sum - low_sum;
+    by_01[k] = high_step - low_step;
+  }
+  return {{by_0[0] + by_0[1], by_1[0] + by_1[1], sum[1] - sum[0]},
+          {by_1[1] - by_1[0], by_0[1] - by_0[0], by_01[0] + by_01[1]},
+          by_01[1] - by_01[0]};
+}
+
+/// The transpose of centre_derivatives, added to the nodes.
+ALWAYS void scatter_centre_derivatives(double* r, const std::int32_t* nodes, const CentreDerivatives& f)
+{
+  for (int k = 0; k < 2; ++k)
+  {
+    const double side = k == 0 ? -1.0 : 1.0;
+    const Vector by_0 = f.first[0] + side * f.second[1], by_1 = f.first[1] + side * f.second[0];
+    const Vector sum = side * f.first[2], by_01 = f.second[2] + side * f.third;
+    const Vector low = sum - by_1, high = sum + by_1, low_step = by_0 - by_01, high_step = by_0 + by_01;
+    scatter(r, nodes + 4 * k * W, low - low_step);
+    scatter(r, nodes + (4 * k + 1) * W, low + low_step);
+    scatter(r, nodes + (4 * k + 2) * W, high - high_step);
+    scatter(r, nodes + (4 * k + 3) * W, high + high_step);
+  }
+}
+
+/// One point and hourglass control, docs/one_point.md; second[i] and third of what centre_derivatives gives are the
+/// modes.
+ALWAYS void hexahedron1(const std::int32_t* nodes, const Elasticity& e, const NodalArrays& a)
+{
+  const CentreDerivatives x = centre_derivatives(a.x, nodes);
+  Vector linear[3], bilinear[3]; // factors of first and second derivatives in 192 times the volume times the gradient
+  V volume{};                    // times 192
+  for (int i = 0; i < 3; ++i)
+  {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    linear[i] = 3.0 * cross(x.first[j], x.first[k]) - cross(x.second[j], x.second[k]);
+    bilinear[i] = -1.0 * (cross(x.first[j], x.second[k]) + cross(x.second[j], x.first[k]));
+    volume = fused(x.first[i].c[0], linear[i].c[0], fused(x.second[i].c[0], bilinear[i].c[0], volume));
+  }
+  const CentreDerivatives u = centre_derivatives(a.u, nodes);
+  V g[3][3]{}; // mean gradient
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c)
+      for (int d = 0; d < 3; ++d)
+        g[c][d] = fused(u.first[i].c[c], linear[i].c[d], fused(u.second[i].c[c], bilinear[i].c[d], g[c][d]));
+  const V inverse_volume = 1.0 / volume;
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d)
+      g[c][d] = g[c][d] * inverse_volume;
+
+  // Amplitudes of the modes along the axes: eight times a . h, of the last mode four times.
+  const Vector modes_x[4] = {x.second[0], x.second[1], x.second[2], x.third};
+  const Vector modes_u[4] = {u.second[0], u.second[1], u.second[2], u.third};
+  V amplitude[4][3];
+  for (int m = 0; m < 4; ++m)
+  {
+    Vector h;
+    for (int c = 0; c < 3; ++c)
+      h.c[c] = modes_u[m].c[c] - g[c][0] * modes_x[m].c[0] - g[c][1] * modes_x[m].c[1] - g[c][2] * modes_x[m].c[2];
+    for (int i = 0; i < 3; ++i)
+      amplitude[m][i] = dot(x.first[i], h);
+  }
+
+  V s[3][3];
+  const V pressure = e.lambda * (g[0][0] + g[1][1] + g[2][2]);
+  for (int i = 0; i < 3; ++i)
+  {
+    s[i][i] = fused(V{} + 2.0 * e.mu, g[i][i], pressure);
+    for (int j = 0; j < i; ++j)
+      s[i][j] = s[j][i] = e.mu * (g[i][j] + g[j][i]);
+  }
+
+  // Forces on the modes, by axes; mode i is that of both other coordinates.
+  const double poisson = e.lambda / (2.0 * (e.lambda + e.mu));
+  const double plate = 4.0 * e.mu * (e.lambda + e.mu) / (e.lambda + 2.0 * e.mu);
+  const double young = 2.0 * e.mu * (1.0 + poisson);
+  V inverse[3], force[4][3]; // 1 / (16 |x_i|^2)
+  for (int i = 0; i < 3; ++i)
+    inverse[i] = 1.0 / dot(x.first[i], x.first[i]);
+  for (int k = 0; k < 3; ++k)
+  {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const V strain_i = inverse[i] * amplitude[j][i], strain_j = inverse[j] * amplitude[i][j];
+    force[j][i] = (plate * 256.0 / 384.0) * inverse[i] * fused(V{} + poisson, strain_j, strain_i);
+    force[i][j] = (plate * 256.0 / 384.0) * inverse[j] * fused(V{} + poisson, strain_i, strain_j);
+  }
+  for (int i = 0; i < 3; ++i)
+  {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const V twist_j = amplitude[i][i] + amplitude[j][j], twist_k = amplitude[i][i] + amplitude[k][k];
+    force[i][i] = (e.mu * 256.0 / 384.0) * inverse[i] * fused(inverse[j], twist_j, inverse[k] * twist_k);
+    force[3][i] = (young * 256.0 / 2304.0) * inverse[i] * inverse[i] * amplitude[3][i];
+  }
+  Vector on_modes[4];
+  for (int m = 0; m < 4; ++m)
+  {
+    for (int c = 0; c < 3; ++c)
+      on_modes[m].c[c] =
+          fused(x.first[0].c[c], force[m][0], fused(x.first[1].c[c], force[m][1], x.first[2].c[c] * force[m][2]));
+    const Vector half = (m < 3 ? 0.5 : 1.0) * on_modes[m]; // modes_x is twice the mode but for the last one
+    for (int c = 0; c < 3; ++c)
+      for (int d = 0; d < 3; ++d)
+        s[c][d] = s[c][d] - half.c[c] * modes_x[m].c[d];
+  }
+
+  CentreDerivatives f;
+  const V size = (1.0 / 192.0) * volume, half_size = 0.5 * size;
+  for (int c = 0; c < 3; ++c)
+    for (int d = 0; d < 3; ++d)
+      s[c][d] = (1.0 / 192.0) * s[c][d];
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c)
+    {
+      const Vector row{{s[c][0], s[c][1], s[c][2]}};
+      f.first[i].c[c] = dot(row, linear[i]);
+      f.second[i].c[c] = fused(half_size, on_modes[i].c[c], dot(row, bilinear[i]));
+    }
+  for (int c = 0; c < 3; ++c)
+    f.third.c[c] = size * on_modes[3].c[c];
+  scatter_centre_derivatives(a.r, nodes, f);
+}
+
+template <int N, bool one_point = false>
 void add_forces(const CellBatches& cells, const Elasticity& elasticity, const NodalArrays& arrays)
 {
   const Elasticity e = elasticity; // copies: stores of doubles might change what is read by reference
@@ -326,7 +466,9 @@ void add_forces(const CellBatches& cells, const Elasticity& elasticity, const No
   for (std::size_t b = 0; b < cells.num_batches; ++b)
   {
     const std::int32_t* nodes = cells.nodes + b * N * W;
-    if constexpr (N == 8)
+    if constexpr (one_point)
+      hexahedron1(nodes, e, a);
+    else if constexpr (N == 8)
       hexahedron8(nodes, e, a);
     else if constexpr (N == 4)
       tetrahedron4(nodes, e, a);
@@ -348,13 +490,12 @@ void update(std::size_t num_nodes, double step, const NodalArrays& a)
   }
 }
 
-CellLoop loop(int num_nodes)
+CellLoop loop(const CellKind& kind)
 {
-  return {num_nodes == 8    ? add_forces<8>
-          : num_nodes == 10 ? add_forces<10>
-          : num_nodes == 4  ? add_forces<4>
-                            : nullptr,
-          update};
+  const int n = kind.num_nodes;
+  if (kind.one_point)
+    return {n == 8 ? add_forces<8, true> : nullptr, update};
+  return {n == 8 ? add_forces<8> : n == 10 ? add_forces<10> : n == 4 ? add_forces<4> : nullptr, update};
 }
 } // namespace
 } // namespace dolfinx_impact::hand_written

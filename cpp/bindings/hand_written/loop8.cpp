@@ -2,7 +2,7 @@
 #define IMPACT_HAND_WRITTEN_WIDTH 8
 #include "loop.h"
 
-dolfinx_impact::hand_written::CellLoop dolfinx_impact::hand_written::loop8(int num_nodes)
+dolfinx_impact::hand_written::CellLoop dolfinx_impact::hand_written::loop8(const CellKind& kind)
 {
-  return loop(num_nodes);
+  return loop(kind);
 }

@@ -30,6 +30,13 @@ inline T splat(T x)
   return x;
 }
 
+/// Numbers are converted as those of the type double of simd.h are.
+template <typename T, typename Mask, typename U, typename V>
+inline T select(Mask condition, U a, V b)
+{
+  return condition ? splat<T>(a) : splat<T>(b);
+}
+
 namespace math
 {
 template <typename T>

@@ -11,6 +11,8 @@ namespace dolfinx_impact::kernels::floats::swept
 {
 #define IMPACT_ALWAYS_INLINE __attribute__((always_inline)) inline
 
+constexpr int line = 64; // bytes of a line of the caches
+
 /// A node of four entries in memory, aligned.
 typedef double Row __attribute__((vector_size(32), may_alias));
 typedef double Doubles __attribute__((vector_size(32)));
@@ -21,6 +23,16 @@ typedef float Eight __attribute__((vector_size(32)));
 IMPACT_ALWAYS_INLINE Eight joined(Half low, Half high)
 {
   return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
+
+/// The same numbers in double. GCC has the instruction for it, but makes five of the conversion of its vectors.
+IMPACT_ALWAYS_INLINE Doubles widened(Half x)
+{
+#if defined(__AVX__) && !defined(__clang__)
+  return __builtin_ia32_cvtps2pd256(x);
+#else
+  return __builtin_convertvector(x, Doubles);
+#endif
 }
 
 IMPACT_ALWAYS_INLINE Doubles node(const double* values, int number)
@@ -71,7 +83,7 @@ IMPACT_ALWAYS_INLINE void add(double* result, const int* nodes, double scale, co
     const Eight row = rows[l % 4];
     const Half half =
         l < 4 ? __builtin_shufflevector(row, row, 0, 1, 2, 3) : __builtin_shufflevector(row, row, 4, 5, 6, 7);
-    const Doubles force = __builtin_convertvector(half, Doubles);
+    const Doubles force = widened(half);
     sum[l] = sum[l] + force;
     Row& place = *reinterpret_cast<Row*>(result + 4 * static_cast<long long>(nodes[l]));
     place = place + scale * force;
@@ -159,7 +171,8 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_float_cells& cells)
 {
   typedef typename Lanes<W>::type T;
   typedef T Place __attribute__((may_alias));
-  const impact_float_cells s = cells; // a copy: what is added to the result could change what is read by reference
+  constexpr int size = 3 * (P - 1) * W; // differences of positions of a batch
+  const impact_float_cells s = cells;   // a copy: what is added to the result could change what is read by reference
   const int* nodes = s.nodes;
   const float* places = s.places;
   double constants[C + 1]{}; // copies: what follows from them is computed once
@@ -168,6 +181,11 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_float_cells& cells)
   for (unsigned long long batch = 0; batch < s.num_batches; ++batch)
   {
     T x[3 * P], w[3 * N], A[3 * N];
+    // All cells have more of them than the caches hold. The processor's own prefetching comes too late: a quarter more
+    // time for hexahedra with one point.
+#pragma GCC unroll 32
+    for (int byte = 0; byte < size * int(sizeof(float)); byte += line)
+      __builtin_prefetch(reinterpret_cast<const char*>(places + 2 * size) + byte);
 #pragma GCC unroll 3
     for (int c = 0; c < 3; ++c)
       x[c] = T{};
@@ -181,7 +199,7 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_float_cells& cells)
     kernel(A, w, constants, x);
     scatter<W, N>(s.result, nodes, s.force_scale, A);
     nodes += W * N;
-    places += 3 * (P - 1) * W;
+    places += size;
   }
 }
 #undef IMPACT_ALWAYS_INLINE

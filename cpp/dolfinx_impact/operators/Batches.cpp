@@ -367,8 +367,8 @@ void Batches::set_mixed()
   const impact_float_kernel* kernel = kernels::find_float(*_kernel);
   if (!kernel)
     throw std::invalid_argument(std::string("kernel ") + _kernel->name + " does not exist in float: precision=" +
-                                "'mixed' is for LinearElastic and NeoHookean with integration='full' on straight " +
-                                "hexahedra and tetrahedra");
+                                "'mixed' is for LinearElastic and NeoHookean with integration='full' or 'reduced' on " +
+                                "straight hexahedra and tetrahedra");
   if (!_coefficients[0].as_test)
     throw std::invalid_argument(std::string("kernel ") + _kernel->name + " in float reads and tests with one space");
   if (_num_entities == 0)

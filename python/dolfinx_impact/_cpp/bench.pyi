@@ -20,6 +20,7 @@ class HandWrittenStep:
         lambda_: float,
         mass: NDArray[numpy.floating[Any]],
         width: int,
+        one_point: bool = False,
     ) -> None: ...
     def start(self, u: NDArray[numpy.floating[Any]], v: NDArray[numpy.floating[Any]]) -> None: ...
     @staticmethod

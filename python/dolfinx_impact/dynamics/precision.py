@@ -6,7 +6,7 @@ from __future__ import annotations
 from dolfinx import fem
 
 from .. import compat
-from ..materials import FULL, LinearElastic, Material, NeoHookean
+from ..materials import FULL, REDUCED, LinearElastic, Material, NeoHookean
 
 DOUBLE, MIXED = "double", "mixed"
 PRECISIONS = (DOUBLE, MIXED)
@@ -50,8 +50,10 @@ def check_precision(precision: str, u: fem.Function, material: Material | None) 
                 f"precision={MIXED!r} is for LinearElastic and NeoHookean, found {type(m).__name__}: sums of small "
                 f"increments, as of plastic strain, would be lost in float{instead}"
             )
-        if m.integration != FULL:
-            raise ValueError(f"precision={MIXED!r} is for integration={FULL!r}, found {m.integration!r}{instead}")
+        if m.integration not in (FULL, REDUCED):
+            raise ValueError(
+                f"precision={MIXED!r} is for integration={FULL!r} and {REDUCED!r}, found {m.integration!r}{instead}"
+            )
         if m.nu > LARGEST_POISSON:
             raise ValueError(
                 f"precision={MIXED!r} is for nu up to {LARGEST_POISSON}, found {m.nu:g}: the pressure of a body that "

@@ -33,7 +33,7 @@ from dolfinx_impact.contact import ContactPair, GeneralContact, Kinematic, Penal
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
 from dolfinx_impact.forms import quadrature
 from dolfinx_impact.loads import Traction
-from dolfinx_impact.materials import Material
+from dolfinx_impact.materials import FULL, REDUCED, Material
 from dolfinx_impact.plasticity import J2Plasticity
 from .rows import Job, Row, row
 from .setup import CASES, FAST, FINITE, STRICT, Case, MaterialClass, Setup
@@ -200,7 +200,7 @@ def own_row(setup: Setup, label: str, package: ExplicitProblem, steps: int) -> R
     return row("own residual / package, whole step", label, 1, count / mine, CELLS_PER_S, count / theirs)
 
 
-def hand_written_row(setup: Setup, label: str, steps: int, rounds: int = 3) -> Row:
+def hand_written_row(setup: Setup, label: str, steps: int, rounds: int = 3, integration: str = FULL) -> Row:
     """Measure the package's step against one that is written by hand for the cell and the law, in alternating rounds.
 
     What an `advance` does once, as for energies and results, is counted in: rounds need many steps.
@@ -210,6 +210,7 @@ def hand_written_row(setup: Setup, label: str, steps: int, rounds: int = 3) -> R
         label: cell and degree.
         steps: number of steps per round.
         rounds: number of rounds, after one that is not counted.
+        integration: of the material, "full", or "reduced" for hexahedra with one point and hourglass control.
 
     Returns:
         Row; the baseline is the faster one of the widths that the processor has.
@@ -220,13 +221,20 @@ def hand_written_row(setup: Setup, label: str, steps: int, rounds: int = 3) -> R
     V, velocity = setup.V, initial_velocity(setup.V)
     u = fem.Function(V)
     u.x.array[:] = start = setup.u.x.array.copy()
-    package = ExplicitProblem(u, materials.LinearElastic(1e3, 0.3, 1.0, "3d"), velocity=velocity)
+    package = ExplicitProblem(u, materials.LinearElastic(1e3, 0.3, 1.0, "3d", integration), velocity=velocity)
     mu, lam = 1e3 / 2.6, 300.0 / (1.3 * 0.4)
     cells = np.ascontiguousarray(V.dofmap.list, dtype=np.int32)
     mass = np.ascontiguousarray(package.mass.array[::3])
     by_hand = [
         _cpp.bench.HandWrittenStep(
-            V.tabulate_dof_coordinates().ravel(), cells.ravel(), cells.shape[1], mu, lam, mass, width
+            V.tabulate_dof_coordinates().ravel(),
+            cells.ravel(),
+            cells.shape[1],
+            mu,
+            lam,
+            mass,
+            width,
+            one_point=integration == REDUCED,
         )
         for width in _cpp.bench.HandWrittenStep.widths()
     ]
@@ -252,7 +260,8 @@ def hand_written_row(setup: Setup, label: str, steps: int, rounds: int = 3) -> R
                 )
     ours, *hand = np.median(times[1:], axis=0)
     millions = setup.num_cells * 1e-6
-    return row("linear_elastic whole step / written by hand", label, 1, millions / ours, CELLS_PER_S,
+    what = "whole step" if integration == FULL else f"{integration} whole step"
+    return row(f"linear_elastic {what} / written by hand", label, 1, millions / ours, CELLS_PER_S,
                millions / min(hand))  # fmt: skip
 
 

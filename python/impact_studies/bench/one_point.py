@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Cost of cells with one point and hourglass control against full integration: whole explicit steps, and kernels."""
+"""Cost of cells with one point and hourglass control: whole explicit steps and kernels against full integration, steps
+in mixed precision against full integration in double, and steps against those that are written by hand."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -9,16 +10,19 @@ import ufl
 from dolfinx import fem, mesh
 from mpi4py import MPI
 
-from dolfinx_impact import materials
+from dolfinx_impact import _cpp, materials
 from dolfinx_impact.assembly import operators
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
-from .explicit import CELLS_PER_S, initial_velocity, step_seconds
+from dolfinx_impact.materials import FULL, REDUCED
+from .explicit import CELLS_PER_S, hand_written_row, initial_velocity, step_seconds
 from .rows import Job, Row, row
-from .setup import Case, MaterialClass, best_time
+from .setup import Case, MaterialClass, Setup, best_time
 
 CASES: Sequence[Case] = (("hexahedron", 1, 50), ("quadrilateral", 1, 400))
-INTEGRATIONS = ("full", "reduced")
+MIXED_CASES: Sequence[tuple[int, MaterialClass]] = ((40, materials.LinearElastic), (40, materials.NeoHookean))
+INTEGRATIONS = (FULL, REDUCED)
 ROUNDS = 5
+HAND_WRITTEN_CELLS, HAND_WRITTEN_STEPS = 30, 200  # cells per side, steps per round
 
 
 def one_point_rows(
@@ -65,10 +69,59 @@ def one_point_rows(
     return out
 
 
+def mixed_rows(n: int, law: MaterialClass, steps: int = 60, rounds: int = ROUNDS) -> list[Row]:
+    """Measure one point with element forces in float against full integration in double, in alternation.
+
+    Args:
+        n: hexahedra per side.
+        law: class of the material.
+        steps: steps per round [1].
+        rounds: number of rounds [1].
+
+    Returns:
+        A row of the whole step, whose ratio is the median of those of the rounds.
+    """
+    V = fem.functionspace(
+        mesh.create_unit_cube(MPI.COMM_SELF, n, n, n, mesh.CellType.hexahedron), ("Lagrange", 1, (3,))
+    )
+    problems = [
+        ExplicitProblem(
+            fem.Function(V, name="u"), law(1e3, 0.3, 1.0, "3d", integration), velocity=initial_velocity(V),
+            precision=precision,
+        )
+        for integration, precision in ((FULL, "double"), (REDUCED, "mixed"))
+    ]  # fmt: skip
+    whole = np.array([[step_seconds(p, steps, 1)[0] for p in problems] for _ in range(rounds)])
+    full, count = float(np.median(whole[:, 0])), n**3 * 1e-6
+    ratio = float(np.median(whole[:, 0] / whole[:, 1]))
+    label = f"{law.law_class.name} reduced, mixed / full, double, whole step"
+    return [row(label, "hexahedron P1", 1, ratio * count / full, CELLS_PER_S, count / full)]
+
+
+def hand_written_rows(n: int = HAND_WRITTEN_CELLS, steps: int = HAND_WRITTEN_STEPS, rounds: int = 3) -> list[Row]:
+    """Measure the step of hexahedra with one point against that which is written by hand.
+
+    Args:
+        n: hexahedra per side.
+        steps: steps per round [1].
+        rounds: number of rounds [1].
+
+    Returns:
+        A row; none where the processor has no vectors that there are loops for.
+    """
+    if not _cpp.bench.HandWrittenStep.widths():
+        return []
+    return [hand_written_row(Setup("hexahedron", 1, n), "hexahedron P1", steps, rounds, REDUCED)]
+
+
 def jobs() -> list[Job]:
     """Measurements of this module.
 
     Returns:
         A text and a function that returns rows, for each measurement.
     """
-    return [(f"one point, {cell}", partial(one_point_rows, cell, n)) for cell, _, n in CASES]
+    out: list[Job] = [(f"one point, {cell}", partial(one_point_rows, cell, n)) for cell, _, n in CASES]
+    out += [
+        (f"one point, mixed precision, {law.law_class.name}", partial(mixed_rows, n, law)) for n, law in MIXED_CASES
+    ]
+    return [*out, ("one point, written by hand", hand_written_rows)]
