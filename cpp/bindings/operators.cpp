@@ -5,6 +5,7 @@
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
 #include "dolfinx_impact/operators/KernelTangent.h"
+#include "dolfinx_impact/operators/LinearSums.h"
 #include "dolfinx_impact/operators/NodalAverage.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/operators/frequency.h"
@@ -159,6 +160,14 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           { new (self) Integral(integral(kernel, entities, constants, std::move(history))); },
           nb::arg("kernel"), nb::arg("entities"), nb::arg("constants"), nb::arg("history").none() = nb::none(),
           "history: internal variables of another operator on the same cells, to read only");
+  nb::enum_<MeanLaw>(m, "MeanLaw", "Laws of the stress of means at nodes")
+      .value("linear_elastic", MeanLaw::linear_elastic)
+      .value("neo_hookean", MeanLaw::neo_hookean);
+  nb::class_<MeanStress>(m, "MeanStress", "Stress of the mean strain or gradient of a node: its law and moduli")
+      .def(
+          "__init__", [](MeanStress* self, MeanLaw law, double lambda, double mu)
+          { new (self) MeanStress{law, lambda, mu}; },
+          nb::arg("law"), nb::arg("lmbda"), nb::arg("mu"));
   nb::class_<InternalForce>(m, "InternalForce_float64",
                             "Matrix-free vector of a form of rank 1, value of a form of rank 0")
       .def(
@@ -207,15 +216,11 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       .def(
           "add_average",
           [](InternalForce& self, std::shared_ptr<NodalAverage> average, std::string displacement,
-             std::optional<std::array<double, 2>> moduli)
-          {
-            std::optional<IsotropicModuli> of;
-            if (moduli)
-              of = IsotropicModuli{(*moduli)[0], (*moduli)[1]};
-            self.add_average(std::move(average), std::move(displacement), of);
-          },
-          nb::arg("average"), nb::arg("displacement"), nb::arg("moduli").none() = nb::none(),
-          "Compute averages at the nodes before every evaluation, then collective. moduli: lambda, mu of their stress")
+             std::optional<MeanStress> stress)
+          { self.add_average(std::move(average), std::move(displacement), stress); },
+          nb::arg("average"), nb::arg("displacement"), nb::arg("stress").none() = nb::none(),
+          "Compute averages at the nodes before every evaluation, then collective. stress: of averages that no kernel "
+          "reads")
       .def_prop_ro("flops", &InternalForce::flops);
   nb::class_<NodalAverage>(m, "NodalAverage", "Averages at the nodes of a measure of the cells around them")
       .def(

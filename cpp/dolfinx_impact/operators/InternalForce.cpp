@@ -49,8 +49,8 @@ void InternalForce::assemble(std::span<double> b, bool padded) const
   for (const Batches& batches : _batches)
     batches.run(b.data(), padded ? padded_stride(batches.block_size()) : batches.block_size());
   for (const Averaged& one : _averages)
-    if (one.moduli)
-      one.average->add_forces(*one.moduli, b, stride);
+    if (one.stress)
+      one.average->add_forces(*one.stress, b, stride);
 }
 
 void InternalForce::assemble(std::span<double> b) const
@@ -81,15 +81,15 @@ void InternalForce::read_positions(const NodePositions* positions)
 }
 
 void InternalForce::add_average(std::shared_ptr<NodalAverage> average, std::string displacement,
-                                const std::optional<IsotropicModuli>& moduli)
+                                const std::optional<MeanStress>& stress)
 {
-  _averages.push_back({std::move(displacement), std::move(average), moduli});
+  _averages.push_back({std::move(displacement), std::move(average), stress});
 }
 
 void InternalForce::update_averages() const
 {
   for (const Averaged& one : _averages)
-    if (!one.moduli)
+    if (!one.stress)
       one.average->update();
 }
 

@@ -60,10 +60,10 @@ public:
   /// collective.
   /// @param[in] average what is computed
   /// @param[in] displacement name that this operator's kernels have for the displacement of the averages
-  /// @param[in] moduli of a stress of the averages, of which no kernel reads: its forces are added
-  ///   (NodalAverage::add_forces). Null: kernels read the averages
+  /// @param[in] stress of averages that no kernel reads: its forces are added (NodalAverage::add_forces). Null: kernels
+  ///   read the averages
   void add_average(std::shared_ptr<NodalAverage> average, std::string displacement,
-                   const std::optional<IsotropicModuli>& moduli = std::nullopt);
+                   const std::optional<MeanStress>& stress = std::nullopt);
 
   /// Space of the result; null for a form of rank 0.
   const std::shared_ptr<const FunctionSpace>& test_space() const { return _test; }
@@ -125,7 +125,7 @@ private:
   {
     std::string displacement;
     std::shared_ptr<NodalAverage> average;
-    std::optional<IsotropicModuli> moduli;
+    std::optional<MeanStress> stress;
   };
   std::vector<Averaged> _averages;
 };
