@@ -46,6 +46,15 @@ def gradient_components(u: Any) -> list[Any]:
     return [H[i, j] for i in range(dim) for j in range(dim)]
 
 
+def cells_shear_modulus(mu: Any) -> Any:
+    """Shear modulus of what is left for the cells of the rest [F/L^2].
+
+    Args:
+        mu: shear modulus of the material [F/L^2].
+    """
+    return (1 - SHARE) * mu
+
+
 def moduli_at_nodes(lmbda: float, mu: float) -> tuple[float, float]:
     """Lame's constants of the stress of the nodes' means of a strain or gradient [F/L^2].
 
@@ -194,7 +203,7 @@ class CellsOfLinearElastic(materials.LinearElastic):
 
     def __init__(self, E: Any, nu: Any, hypothesis: str) -> None:
         super().__init__(E, nu, hypothesis)
-        self.lmbda, self.mu = 0, (1 - SHARE) * self.mu
+        self.lmbda, self.mu = 0, cells_shear_modulus(self.mu)
 
 
 class CellsOfNeoHookean(averaged_pressure.NeoHookean):
@@ -203,7 +212,7 @@ class CellsOfNeoHookean(averaged_pressure.NeoHookean):
 
     def __init__(self, E: Any, nu: Any, hypothesis: str, mean: Any) -> None:
         super().__init__(E, nu, hypothesis, mean)
-        self.mu = (1 - SHARE) * self.mu
+        self.mu = cells_shear_modulus(self.mu)
 
 
 class NodesOfNeoHookean(materials.Law):

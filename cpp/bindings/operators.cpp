@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "dolfinx_impact/operators/AveragedNeoHookean.h"
 #include "dolfinx_impact/operators/CellBounds.h"
 #include "dolfinx_impact/operators/CellMatrix.h"
 #include "dolfinx_impact/operators/Halo.h"
@@ -166,8 +167,7 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
   nb::class_<MeanStress>(m, "MeanStress", "Stress of the mean strain or gradient of a node: its law and moduli")
       .def(
           "__init__", [](MeanStress* self, MeanLaw law, double lambda, double mu)
-          { new (self) MeanStress{law, lambda, mu}; },
-          nb::arg("law"), nb::arg("lmbda"), nb::arg("mu"));
+          { new (self) MeanStress{law, lambda, mu}; }, nb::arg("law"), nb::arg("lmbda"), nb::arg("mu"));
   nb::class_<InternalForce>(m, "InternalForce_float64",
                             "Matrix-free vector of a form of rank 1, value of a form of rank 0")
       .def(
@@ -221,6 +221,8 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           nb::arg("average"), nb::arg("displacement"), nb::arg("stress").none() = nb::none(),
           "Compute averages at the nodes before every evaluation, then collective. stress: of averages that no kernel "
           "reads")
+      .def("add_together", &InternalForce::add_together, nb::arg("forces"),
+           "Forces of kernels and averages that are added together from now on, where they can be")
       .def_prop_ro("flops", &InternalForce::flops);
   nb::class_<NodalAverage>(m, "NodalAverage", "Averages at the nodes of a measure of the cells around them")
       .def(
@@ -231,6 +233,20 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           nb::arg("measure"), nb::arg("volume"), nb::arg("average"), nb::arg("displacement"), nb::arg("linear"),
           "displacement: its name in the kernels of measure. linear: is the measure linear in it? Collective")
       .def("update", &NodalAverage::update, "At the present displacement. Collective");
+  nb::class_<AveragedNeoHookean>(m, "AveragedNeoHookean", "Forces of averaged strains of neo-Hookean tetrahedra")
+      .def(
+          "__init__",
+          [](AveragedNeoHookean* self, std::vector<std::size_t> integrals, std::shared_ptr<const Function> log_mean,
+             std::shared_ptr<const NodalAverage> gradients, std::shared_ptr<const FunctionSpace> V,
+             std::string displacement, double lambda, double nodes_mu, double cells_mu)
+          {
+            new (self) AveragedNeoHookean(std::move(integrals), std::move(log_mean), std::move(gradients), std::move(V),
+                                          std::move(displacement), {lambda, nodes_mu, cells_mu});
+          },
+          nb::arg("integrals"), nb::arg("log_mean"), nb::arg("gradients"), nb::arg("space"), nb::arg("displacement"),
+          nb::arg("lmbda"), nb::arg("nodes_mu"), nb::arg("cells_mu"),
+          "integrals: numbers of those over the material's cells. gradients: as added to the operator. displacement: "
+          "its name in the operator's kernels. Collective");
   bind_tangent(m);
   m.def(
       "largest_rotation",

@@ -26,9 +26,9 @@ struct MeanStress
 
 /// Sums over cells at nodes that are linear in a field, as those of tr(eps) N_a, of the strain eps N_a or of the
 /// gradient (grad u) N_a: a row for each node with the integral of N_a grad N_b for each node b that shares a cell with
-/// it. Strain and gradient have the entries of the trace. To multiply by it takes a third (in cache) to a half (from memory) of the time of a
-/// sweep over linear tetrahedra, for 24 bytes and a node's number for each of these neighbours: about 80 bytes a
-/// tetrahedron.
+/// it. Strain and gradient have the entries of the trace. To multiply by it takes a third (in cache) to a half (from
+/// memory) of the time of a sweep over linear tetrahedra, for 24 bytes and a node's number for each of these
+/// neighbours: about 80 bytes a tetrahedron.
 ///
 /// Strains are vectors of their normal components, then xy, in space yz and xz; gradients, of which component i is
 /// derived by x_j, are vectors of their rows i.

@@ -103,6 +103,16 @@ def is_averaged(material: _Material) -> bool:
     return material.integration in AVERAGED
 
 
+def tags_of(material: _Material, whole: Material) -> tuple[int, ...]:
+    """Tags of the cells of a material; empty where it is that of all cells.
+
+    Args:
+        material: material of the cells.
+        whole: material of the body.
+    """
+    return tuple(tag for tag, m in whole.parts() if m is material and tag is not None)
+
+
 def mean_of(u: Function, material: _Material, whole: Material, dx: ufl.Measure, kind: Any = None) -> NodalMean:
     """Means at the nodes of the cells of a material: one function for all forms of a displacement. Collective.
 
@@ -120,7 +130,7 @@ def mean_of(u: Function, material: _Material, whole: Material, dx: ufl.Measure, 
         ValueError: as NodalMean.
     """
     known = u.__dict__.setdefault("_means", {})
-    tags = tuple(tag for tag, m in whole.parts() if m is material and tag is not None)
+    tags = tags_of(material, whole)
     key = id(material), id(whole.cell_tags), tags, kind
     if key not in known:
         mean = NodalMean(u, material, dx(tags) if tags else dx, f"volume_change_{len(known)}", kind)
@@ -137,11 +147,16 @@ class StrainParts:
         cells: elastic law of the cells.
         mean: means of the strain or gradient at the nodes, which no kernel reads.
         stress: their stress, whose forces are added node by node (operators/LinearSums.h).
+        moduli: of neo-Hooke's law: lambda, shear moduli of the nodes and of the cells, whose forces can be added
+            together (operators/AveragedNeoHookean.h) [F/L^2]; None for other laws.
+        tags: tags of the material's cells; empty: all cells.
     """
 
     cells: Any
     mean: NodalMean
     stress: _cpp.operators.MeanStress
+    moduli: tuple[float, float, float] | None
+    tags: tuple[int, ...]
 
 
 def strain_parts(u: Function, material: _Material, whole: Material, dx: ufl.Measure) -> StrainParts:
@@ -156,12 +171,14 @@ def strain_parts(u: Function, material: _Material, whole: Material, dx: ufl.Meas
     Raises:
         ValueError: as NodalMean.
     """
-    law = material.elastic_law(u.function_space.mesh)
+    law, moduli = material.elastic_law(u.function_space.mesh), None
     _law_class(material, u.function_space.mesh)  # refuses laws without a volumetric part
     of_cells, of_nodes = averaged_strain.SPLIT[law.name]
+    lmbda, mu = averaged_strain.moduli_at_nodes(*material.lame)
     if hasattr(of_cells, "num_means"):
         cells = mean_of(u, material, whole, dx, of_cells).law
+        moduli = lmbda, mu, averaged_strain.cells_shear_modulus(material.lame[1])
     else:
         cells = of_cells(law.E, law.nu, material.hypothesis_on(u.function_space.mesh))
-    stress = _cpp.operators.MeanStress(LAWS_OF_MEANS[law.name], *averaged_strain.moduli_at_nodes(*material.lame))
-    return StrainParts(cells, mean_of(u, material, whole, dx, of_nodes), stress)
+    stress = _cpp.operators.MeanStress(LAWS_OF_MEANS[law.name], lmbda, mu)
+    return StrainParts(cells, mean_of(u, material, whole, dx, of_nodes), stress, moduli, tags_of(material, whole))

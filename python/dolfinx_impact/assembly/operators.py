@@ -261,7 +261,7 @@ class _Operator:
                 integrals.append(_cpp.operators.Integral(kernel.address, entities, constants, known))
                 self._kernels.append(kernel)
                 tags.append(subdomain)
-        self.coefficients = coefficients
+        self.coefficients, self._tags = coefficients, tags
         self._cpp_object = _cpp.operators.InternalForce_float64(
             self.mesh,
             None if self.test is None else self.test._cpp_object,
@@ -432,6 +432,19 @@ def nodal_average(mean: NodalMean, width: int = 0) -> _cpp.operators.NodalAverag
     return _cpp.operators.NodalAverage(measure._cpp_object, volume._cpp_object, mean._cpp_object, name, mean.is_linear)
 
 
+def _add_nodal_forces(operator: InternalForce, parts: StrainParts) -> None:
+    """Add to the cells' forces those of their nodes' mean strains. Collective."""
+    u = parts.mean.displacement
+    name = next(name for name, f in operator.coefficients.items() if f is u)
+    average = nodal_average(parts.mean)
+    operator._cpp_object.add_average(average, name, parts.stress)
+    if parts.moduli is not None:
+        log_mean, space = parts.cells.mean._cpp_object, u.function_space._cpp_object
+        integrals = [i for i, tag in enumerate(operator._tags) if not parts.tags or tag in parts.tags]
+        together = _cpp.operators.AveragedNeoHookean(integrals, log_mean, average, space, name, *parts.moduli)
+        operator._cpp_object.add_together(together)
+
+
 def update_means(functions: Iterable[Function]) -> None:
     """Compute the means at nodes among some functions at the present displacement. Collective.
 
@@ -525,9 +538,8 @@ class SplitForce(Described):
     ) -> None:
         self._parts = [InternalForce(form, part=part, law=law) for part in ("early", "outer", "late")]
         outer = self._parts[1]  # which is computed when the displacements of ghosts are known
-        for part in nodal:
-            name = next(name for name, f in outer.coefficients.items() if f is part.mean.displacement)
-            outer._cpp_object.add_average(nodal_average(part.mean), name, part.stress)
+        for means in nodal:
+            _add_nodal_forces(outer, means)
         self.history = self._parts[0].history + self._parts[1].history + self._parts[2].history
         for operator in self._parts:
             operator._cpp_object.set_in_place(True)
