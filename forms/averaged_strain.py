@@ -18,7 +18,7 @@ from typing import Any
 
 import ufl
 
-from . import materials
+from . import averaged_pressure, materials
 from .averaged_pressure import over_vertices
 
 # Share of the rest at the nodes. Cells alone (0) are too stiff in bending, nodes alone (1) too soft and without
@@ -36,8 +36,27 @@ def symmetric_components(dim: int) -> list[tuple[int, int]]:
     return [(i, i) for i in range(dim)] + ([(0, 1)] if dim == 2 else [(0, 1), (1, 2), (0, 2)])
 
 
+def gradient_components(u: Any) -> list[Any]:
+    """Components of the displacement's gradient in a vector of means, row by row.
+
+    Args:
+        u: displacement.
+    """
+    H, dim = ufl.grad(u), len(u)
+    return [H[i, j] for i in range(dim) for j in range(dim)]
+
+
+def cells_shear_modulus(mu: Any) -> Any:
+    """Shear modulus of what is left for the cells of the rest [F/L^2].
+
+    Args:
+        mu: shear modulus of the material [F/L^2].
+    """
+    return (1 - SHARE) * mu
+
+
 def moduli_at_nodes(lmbda: float, mu: float) -> tuple[float, float]:
-    """Lame's constants of the stress of the nodes' mean strains of LinearElastic [F/L^2].
+    """Lame's constants of the stress of the nodes' means of a strain or gradient [F/L^2].
 
     Args:
         lmbda: Lame's first constant of the material [F/L^2].
@@ -117,9 +136,8 @@ class NeoHookean(materials.NeoHookean):
 
     def measure(self, u: Any) -> Any:
         """What is averaged [1]."""
-        H, dim = ufl.grad(u), len(u)
-        components = [H[i, j] for i in range(dim) for j in range(dim)]
-        return ufl.as_vector([*components, ufl.ln(ufl.det(ufl.Identity(dim) + H))])
+        log_J = ufl.ln(ufl.det(ufl.Identity(len(u)) + ufl.grad(u)))
+        return ufl.as_vector([*gradient_components(u), log_J])
 
     def _gradient_of(self, mean: Any) -> Any:
         """Deformation gradient of a node's means, 3 x 3."""
@@ -167,3 +185,64 @@ class NeoHookean(materials.NeoHookean):
 
 
 LAWS: dict[str, Any] = {law.name: law for law in (LinearElastic, NeoHookean)}
+
+
+# --- the same, split into what cells and nodes do by themselves -------------------------------------------------------
+# A mean of a gradient is linear in the displacement. Where forces of its stress are added node by node, by the matrix
+# that gives the means (operators/LinearSums.h), no kernel reads it.
+
+
+class CellsOfLinearElastic(materials.LinearElastic):
+    """sigma = 2 mu (1 - b) eps: what is left of LinearElastic for the cells.
+
+    Args:
+        E: Young's modulus [F/L^2].
+        nu: Poisson's ratio [1].
+        hypothesis: one of averaged_pressure.HYPOTHESES.
+    """
+
+    def __init__(self, E: Any, nu: Any, hypothesis: str) -> None:
+        super().__init__(E, nu, hypothesis)
+        self.lmbda, self.mu = 0, cells_shear_modulus(self.mu)
+
+
+class CellsOfNeoHookean(averaged_pressure.NeoHookean):
+    """P = mu (1 - b) (F - F^-T) + lambda m_h F^-T with the nodes' means m_h of ln J: what is left of NeoHookean for the
+    cells. Arguments are those of averaged_pressure.NeoHookean."""
+
+    def __init__(self, E: Any, nu: Any, hypothesis: str, mean: Any) -> None:
+        super().__init__(E, nu, hypothesis, mean)
+        self.mu = cells_shear_modulus(self.mu)
+
+
+class NodesOfNeoHookean(materials.Law):
+    """What nodes average for P = mu b (F_a - F_a^-T): components of grad u, row by row.
+
+    Args:
+        E: Young's modulus [F/L^2].
+        nu: Poisson's ratio [1].
+        hypothesis: one of averaged_pressure.HYPOTHESES.
+        mean: their means, a vector of degree 1 [1].
+    """
+
+    name, linear = "neo_hookean", True
+
+    def __init__(self, E: Any, nu: Any, hypothesis: str, mean: Any) -> None:
+        super().__init__(E, nu, hypothesis)
+        self.mean = mean
+
+    @staticmethod
+    def num_means(dim: int) -> int:
+        """Number of means of a node."""
+        return dim * dim
+
+    def measure(self, u: Any) -> Any:
+        """What is averaged [1]."""
+        return ufl.as_vector(gradient_components(u))
+
+
+# For each law that of the cells and that of the nodes.
+SPLIT: dict[str, tuple[Any, Any]] = {
+    "linear_elastic": (CellsOfLinearElastic, LinearElastic),
+    "neo_hookean": (CellsOfNeoHookean, NodesOfNeoHookean),
+}

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
+#include "dolfinx_impact/operators/AveragedNeoHookean.h"
 #include "dolfinx_impact/operators/CellBounds.h"
 #include "dolfinx_impact/operators/CellMatrix.h"
 #include "dolfinx_impact/operators/Halo.h"
 #include "dolfinx_impact/operators/InternalForce.h"
 #include "dolfinx_impact/operators/KernelTangent.h"
+#include "dolfinx_impact/operators/LinearSums.h"
 #include "dolfinx_impact/operators/NodalAverage.h"
 #include "dolfinx_impact/operators/RigidBodyModes.h"
 #include "dolfinx_impact/operators/frequency.h"
@@ -159,6 +161,13 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           { new (self) Integral(integral(kernel, entities, constants, std::move(history))); },
           nb::arg("kernel"), nb::arg("entities"), nb::arg("constants"), nb::arg("history").none() = nb::none(),
           "history: internal variables of another operator on the same cells, to read only");
+  nb::enum_<MeanLaw>(m, "MeanLaw", "Laws of the stress of means at nodes")
+      .value("linear_elastic", MeanLaw::linear_elastic)
+      .value("neo_hookean", MeanLaw::neo_hookean);
+  nb::class_<MeanStress>(m, "MeanStress", "Stress of the mean strain or gradient of a node: its law and moduli")
+      .def(
+          "__init__", [](MeanStress* self, MeanLaw law, double lambda, double mu)
+          { new (self) MeanStress{law, lambda, mu}; }, nb::arg("law"), nb::arg("lmbda"), nb::arg("mu"));
   nb::class_<InternalForce>(m, "InternalForce_float64",
                             "Matrix-free vector of a form of rank 1, value of a form of rank 0")
       .def(
@@ -207,15 +216,13 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
       .def(
           "add_average",
           [](InternalForce& self, std::shared_ptr<NodalAverage> average, std::string displacement,
-             std::optional<std::array<double, 2>> moduli)
-          {
-            std::optional<IsotropicModuli> of;
-            if (moduli)
-              of = IsotropicModuli{(*moduli)[0], (*moduli)[1]};
-            self.add_average(std::move(average), std::move(displacement), of);
-          },
-          nb::arg("average"), nb::arg("displacement"), nb::arg("moduli").none() = nb::none(),
-          "Compute averages at the nodes before every evaluation, then collective. moduli: lambda, mu of their stress")
+             std::optional<MeanStress> stress)
+          { self.add_average(std::move(average), std::move(displacement), stress); },
+          nb::arg("average"), nb::arg("displacement"), nb::arg("stress").none() = nb::none(),
+          "Compute averages at the nodes before every evaluation, then collective. stress: of averages that no kernel "
+          "reads")
+      .def("add_together", &InternalForce::add_together, nb::arg("forces"),
+           "Forces of kernels and averages that are added together from now on, where they can be")
       .def_prop_ro("flops", &InternalForce::flops);
   nb::class_<NodalAverage>(m, "NodalAverage", "Averages at the nodes of a measure of the cells around them")
       .def(
@@ -226,6 +233,20 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           nb::arg("measure"), nb::arg("volume"), nb::arg("average"), nb::arg("displacement"), nb::arg("linear"),
           "displacement: its name in the kernels of measure. linear: is the measure linear in it? Collective")
       .def("update", &NodalAverage::update, "At the present displacement. Collective");
+  nb::class_<AveragedNeoHookean>(m, "AveragedNeoHookean", "Forces of averaged strains of neo-Hookean tetrahedra")
+      .def(
+          "__init__",
+          [](AveragedNeoHookean* self, std::vector<std::size_t> integrals, std::shared_ptr<const Function> log_mean,
+             std::shared_ptr<const NodalAverage> gradients, std::shared_ptr<const FunctionSpace> V,
+             std::string displacement, double lambda, double nodes_mu, double cells_mu)
+          {
+            new (self) AveragedNeoHookean(std::move(integrals), std::move(log_mean), std::move(gradients), std::move(V),
+                                          std::move(displacement), {lambda, nodes_mu, cells_mu});
+          },
+          nb::arg("integrals"), nb::arg("log_mean"), nb::arg("gradients"), nb::arg("space"), nb::arg("displacement"),
+          nb::arg("lmbda"), nb::arg("nodes_mu"), nb::arg("cells_mu"),
+          "integrals: numbers of those over the material's cells. gradients: as added to the operator. displacement: "
+          "its name in the operator's kernels. Collective");
   bind_tangent(m);
   m.def(
       "largest_rotation",

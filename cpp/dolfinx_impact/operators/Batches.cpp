@@ -388,6 +388,19 @@ bool Batches::has(const std::string& name) const
   return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.name == name; });
 }
 
+bool Batches::has_nodes_of_test(const Function& function) const
+{
+  return std::ranges::any_of(_coefficients, [&](const Array& a) { return a.function.get() == &function && a.as_test; });
+}
+
+const double* Batches::padded_values(const std::string& name) const
+{
+  for (const Array& a : _coefficients)
+    if (a.name == name && a.field < 0 && a.as_test && a.stride == padded_stride(a.block_size))
+      return a.values;
+  return nullptr;
+}
+
 Batches::Nodes Batches::nodes_of(const std::string& name) const
 {
   for (const Array& a : _coefficients)

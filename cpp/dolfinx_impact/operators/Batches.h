@@ -124,6 +124,12 @@ public:
   Nodes nodes_of_test() const { return {_test.dofs, _test.num_nodes, _test.block_size}; }
   /// @throws std::invalid_argument if the kernel has no coefficient of this name at nodes
   Nodes nodes_of(const std::string& name) const;
+  /// Has the kernel this coefficient, at nodes with the numbers of the test space's?
+  bool has_nodes_of_test(const Function& function) const;
+  /// Positions by the numbers of the test space's nodes, four entries for each; null where they are read otherwise.
+  const double* padded_positions() const { return _x.as_test ? _x.values : nullptr; }
+  /// Values of a coefficient by these numbers, padded_stride entries for each; null where they are read otherwise.
+  const double* padded_values(const std::string& name) const;
   /// What each cell adds for values of a coefficient in which its kernel is linear, the others being zero: nodes of the
   /// rows, nodes of the columns, and the matrix, rows first.
   using MatrixOfCell = std::function<void(std::span<const std::int32_t> rows, std::span<const std::int32_t> columns,

@@ -2,6 +2,7 @@
 #include "InternalForce.h"
 #include "../common/dolfinx_api.h"
 #include "../common/text.h"
+#include "AveragedNeoHookean.h"
 #include "NodalAverage.h"
 #include "lanes.h"
 #include <algorithm>
@@ -14,6 +15,12 @@ namespace dolfinx_impact::operators
 {
 namespace
 {
+/// Have the nodes of an array of forces four entries?
+bool is_padded(int stride)
+{
+  return stride == 4;
+}
+
 /// Number that a cell has in the input of its mesh; without an input, as submeshes are, its global number.
 std::int64_t input_cell_number(const dolfinx::mesh::Topology& topology, std::int32_t cell)
 {
@@ -45,12 +52,24 @@ void InternalForce::assemble(std::span<double> b, bool padded) const
   if (b.size() != size)
     throw std::invalid_argument("the vector has " + std::to_string(b.size()) +
                                 " entries on this rank, the test space has " + std::to_string(size));
-  update_averages();
-  for (const Batches& batches : _batches)
-    batches.run(b.data(), padded ? padded_stride(batches.block_size()) : batches.block_size());
+  update_averages(stride);
+  for (std::size_t i = 0; i < _batches.size(); ++i)
+    if (!is_together(i, stride))
+      _batches[i].run(b.data(), padded ? padded_stride(_batches[i].block_size()) : _batches[i].block_size());
   for (const Averaged& one : _averages)
-    if (one.moduli)
-      one.average->add_forces(*one.moduli, b, stride);
+    if (one.stress && !is_together(*one.average, stride))
+      one.average->add_forces(*one.stress, b, stride);
+  for (const auto& forces : _together)
+    if (is_padded(stride) && forces->can_run(_batches))
+      forces->add_forces(_batches, b);
+}
+
+/// Is an integral, by its number, or an average a part of forces that are added together?
+/// @param stride entries of a node in their array
+bool InternalForce::is_together(const auto& part, int stride) const
+{
+  return is_padded(stride) && std::ranges::any_of(_together, [&](const auto& forces)
+                                                  { return forces->can_run(_batches) && forces->is_for(part); });
 }
 
 void InternalForce::assemble(std::span<double> b) const
@@ -70,6 +89,8 @@ void InternalForce::read(const std::string& name, const double* values, int stri
   for (const Averaged& one : _averages)
     if (one.displacement == name)
       one.average->read(values, stride);
+  for (const auto& forces : _together)
+    forces->set_changed();
 }
 
 void InternalForce::read_positions(const NodePositions* positions)
@@ -78,18 +99,20 @@ void InternalForce::read_positions(const NodePositions* positions)
     batches.read_positions(positions);
   for (const Averaged& one : _averages)
     one.average->read_positions(positions);
+  for (const auto& forces : _together)
+    forces->set_changed();
 }
 
 void InternalForce::add_average(std::shared_ptr<NodalAverage> average, std::string displacement,
-                                const std::optional<IsotropicModuli>& moduli)
+                                const std::optional<MeanStress>& stress)
 {
-  _averages.push_back({std::move(displacement), std::move(average), moduli});
+  _averages.push_back({std::move(displacement), std::move(average), stress});
 }
 
-void InternalForce::update_averages() const
+void InternalForce::update_averages(int stride) const
 {
   for (const Averaged& one : _averages)
-    if (!one.moduli)
+    if (!one.stress && !is_together(*one.average, stride))
       one.average->update();
 }
 
@@ -105,7 +128,7 @@ double InternalForce::value() const
 {
   if (_test)
     throw std::invalid_argument("a form of rank 1 has no value: use apply or assemble");
-  update_averages();
+  update_averages(0);
   double sum = 0.0;
   for (const Batches& batches : _batches)
     sum += batches.run(nullptr, 0);

@@ -7,6 +7,7 @@
 
 namespace dolfinx_impact::operators
 {
+class AveragedNeoHookean;
 class NodalAverage;
 
 /// A vector f(u) of a form of rank 1, computed cell by cell without a matrix, several cells at once; or, for a form of
@@ -60,10 +61,12 @@ public:
   /// collective.
   /// @param[in] average what is computed
   /// @param[in] displacement name that this operator's kernels have for the displacement of the averages
-  /// @param[in] moduli of a stress of the averages, of which no kernel reads: its forces are added
-  ///   (NodalAverage::add_forces). Null: kernels read the averages
+  /// @param[in] stress of averages that no kernel reads: its forces are added (NodalAverage::add_forces). Null: kernels
+  ///   read the averages
   void add_average(std::shared_ptr<NodalAverage> average, std::string displacement,
-                   const std::optional<IsotropicModuli>& moduli = std::nullopt);
+                   const std::optional<MeanStress>& stress = std::nullopt);
+  /// Forces of kernels and averages that are added together from now on, where they can be.
+  void add_together(std::shared_ptr<AveragedNeoHookean> forces) { _together.push_back(std::move(forces)); }
 
   /// Space of the result; null for a form of rank 0.
   const std::shared_ptr<const FunctionSpace>& test_space() const { return _test; }
@@ -115,7 +118,8 @@ private:
   void assemble(std::span<double> b, bool padded) const;
   /// Call a function with the internal variables of each integral that keeps them.
   void each_history(auto&& work);
-  void update_averages() const;
+  void update_averages(int stride) const;
+  bool is_together(const auto& part, int stride) const;
 
   std::shared_ptr<const Mesh> _mesh;
   std::shared_ptr<const FunctionSpace> _test;
@@ -125,8 +129,9 @@ private:
   {
     std::string displacement;
     std::shared_ptr<NodalAverage> average;
-    std::optional<IsotropicModuli> moduli;
+    std::optional<MeanStress> stress;
   };
   std::vector<Averaged> _averages;
+  std::vector<std::shared_ptr<AveragedNeoHookean>> _together;
 };
 } // namespace dolfinx_impact::operators

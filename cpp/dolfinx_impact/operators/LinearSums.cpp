@@ -65,25 +65,30 @@ void LinearSums::add_gradients(std::span<const double> A, std::size_t row, std::
 {
   const auto at = [&](int r, int c)
   { return A[(_measures * row + r) * _components * num_columns + _components * column + c]; };
+  const int d = _components;
+  const bool whole = _measures == d * d; // the gradient; of others in the plane a strain has three sums, in space six
   double gradient[3] = {};
-  for (int c = 0; c < _components; ++c)
-    gradient[c] = at(_measures == 1 ? 0 : c, c);
-  for (int c = 0; c < _components; ++c)
+  for (int c = 0; c < d; ++c)
+    gradient[c] = whole ? at(gradient_place(d, 0, c), 0) : at(_measures == 1 ? 0 : c, c);
+  for (int c = 0; c < d; ++c)
     to[c] += gradient[c];
   if (_measures == 1)
     return;
-  const int d = _components, shear = d * (d - 1) / 2;
-  if (_measures != d + shear)
-    throw std::invalid_argument("a node has " + std::to_string(_measures) + " sums: these are no strain");
+  if (!whole && _measures != d * (d + 1) / 2)
+    throw std::invalid_argument("a node has " + std::to_string(_measures) + " sums: these are no strain or gradient");
   const double size = std::abs(gradient[0]) + std::abs(gradient[1]) + std::abs(gradient[2]);
+  const auto check = [&](int place, int c, double expected)
+  {
+    if (!(std::abs(at(place, c) - expected) <= 1e-12 * size)) // round-off of sums of a few products
+      throw std::invalid_argument("the sums of a node are not those of a strain or gradient");
+  };
   for (int i = 0; i < d; ++i)
-    for (int j = i; j < d; ++j)
+    for (int j = 0; j < d; ++j)
       for (int c = 0; c < d; ++c)
-      {
-        const double strain = ((c == i ? gradient[j] : 0.0) + (c == j ? gradient[i] : 0.0)) / 2;
-        if (!(std::abs(at(strain_place(d, i, j), c) - strain) <= 1e-12 * size)) // round-off of sums of a few products
-          throw std::invalid_argument("the sums of a node are not those of a strain");
-      }
+        if (whole)
+          check(gradient_place(d, i, j), c, c == i ? gradient[j] : 0.0);
+        else
+          check(strain_place(d, i, j), c, ((c == i ? gradient[j] : 0.0) + (c == j ? gradient[i] : 0.0)) / 2);
 }
 
 /// Columns of each row: first those of every cell, then each of them once.
@@ -140,6 +145,14 @@ void LinearSums::check_size(std::span<const double> sums) const
                                 std::to_string(_ends.size()));
 }
 
+void LinearSums::check_law(const MeanStress& stress) const
+{
+  const int expected = num_means(stress.law, _components);
+  if (_measures != expected && !_ends.empty())
+    throw std::invalid_argument("a node has " + std::to_string(_measures) + " sums, the law of their stress takes " +
+                                std::to_string(expected));
+}
+
 void LinearSums::multiply(const double* values, int stride, std::span<double> sums) const
 {
   check_size(sums);
@@ -151,25 +164,31 @@ void LinearSums::multiply(const double* values, int stride, std::span<double> su
   else
   {
     const std::vector<std::int8_t> all(_ends.size(), 1);
+    const bool whole = _measures == _components * _components;
     strain_rows({_ends, _columns.data(), _entries.data()}, _components, stride,
-                {.shared = all, .values = values, .sums = sums.data()});
+                {.stress = {.law = whole ? MeanLaw::neo_hookean : MeanLaw::linear_elastic},
+                 .shared = all,
+                 .values = values,
+                 .sums = sums.data()});
   }
   std::ranges::fill(sums.subspan(_measures * _ends.size()), 0.0);
 }
 
-void LinearSums::add_forces(const IsotropicModuli& moduli, std::span<const double> inverse_volumes,
+void LinearSums::add_forces(const MeanStress& stress, std::span<const double> inverse_volumes,
                             std::span<const std::int8_t> shared, const double* values, int stride,
                             std::span<double> sums, double* b) const
 {
   check_size(sums);
+  check_law(stress);
   strain_rows({_ends, _columns.data(), _entries.data()}, _components, stride,
-              {moduli, inverse_volumes, shared, values, sums.data(), b});
+              {stress, inverse_volumes, shared, values, sums.data(), b});
 }
 
-void LinearSums::add_forces_of(std::span<const std::int32_t> nodes, const IsotropicModuli& moduli,
+void LinearSums::add_forces_of(std::span<const std::int32_t> nodes, const MeanStress& stress,
                                std::span<const double> means, int stride, double* b) const
 {
   check_size(means);
-  forces_of_rows({_ends, _columns.data(), _entries.data()}, _components, stride, nodes, moduli, means.data(), b);
+  check_law(stress);
+  forces_of_rows({_ends, _columns.data(), _entries.data()}, _components, stride, nodes, stress, means.data(), b);
 }
 } // namespace dolfinx_impact::operators

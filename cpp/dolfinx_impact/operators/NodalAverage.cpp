@@ -92,7 +92,7 @@ void NodalAverage::update()
       values[bs * node + c] *= _inverse[node];
 }
 
-void NodalAverage::add_forces(const IsotropicModuli& moduli, std::span<double> b, int stride)
+void NodalAverage::add_forces(const MeanStress& stress, std::span<double> b, int stride)
 {
   const LinearSums* matrix = linear_sums();
   // A rank without any takes part in the exchange; it may have no displacement to read either.
@@ -105,13 +105,13 @@ void NodalAverage::add_forces(const IsotropicModuli& moduli, std::span<double> b
   for (const std::int32_t node : _shared_nodes) // of which the matrix may have no rows
     std::fill_n(values.begin() + std::ptrdiff_t(bs * node), bs, 0.0);
   if (has_cells)
-    matrix->add_forces(moduli, _inverse, _shared, _values, stride, values, b.data());
+    matrix->add_forces(stress, _inverse, _shared, _values, stride, values, b.data());
   _halo.reverse(values, int(bs));
   _halo.forward(values, int(bs));
   for (const std::int32_t node : _shared_nodes)
     for (std::size_t c = 0; c < bs; ++c)
       values[bs * node + c] *= _inverse[node];
   if (has_cells)
-    matrix->add_forces_of(_shared_nodes, moduli, values, stride, b.data());
+    matrix->add_forces_of(_shared_nodes, stress, values, stride, b.data());
 }
 } // namespace dolfinx_impact::operators

@@ -38,14 +38,16 @@ public:
   void read(const double* displacement, int stride);
   /// Read the nodes' positions from there (Batches::read_positions).
   void read_positions(const NodePositions* positions);
-  /// Where the measure is the strain and linear, and positions and displacement are read from arrays: add the nodal
-  /// forces of the stress of the averages to an array, without storing the averages. Collective.
+  /// Where the measure is the strain or the gradient, and positions and displacement are read from arrays: add the
+  /// nodal forces of the stress of the averages to an array, without storing the averages. Collective.
   /// @param[in,out] b owned and ghost entries of the displacement's space
   /// @param[in] stride entries of a node, as many as the displacement's array has
   /// @throws std::invalid_argument if they are not
-  void add_forces(const IsotropicModuli& moduli, std::span<double> b, int stride);
+  void add_forces(const MeanStress& stress, std::span<double> b, int stride);
   /// Reciprocals of the nodes' volumes, owned and ghosts; zero where a node has no cells [1/L^3].
   std::span<const double> inverse_volumes() const { return _inverse; }
+  /// The function that receives the averages.
+  std::shared_ptr<const Function> function() const { return _average; }
   /// Number of averages of a node.
   int block_size() const { return _average->function_space()->dofmap()->index_map_bs(); }
 

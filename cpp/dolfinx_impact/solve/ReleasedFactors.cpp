@@ -51,7 +51,7 @@ ReleasedFactors::ReleasedFactors(Mat factors, std::shared_ptr<enforcement::Conde
   check(MatDenseGetArrayWrite(right, &sides), "right sides are written");
   for (int k = 0; k < _num_columns; ++k)
   {
-    double* const column = &_columns[std::size_t(k) * owned];
+    double* const column = _columns.data() + std::size_t(k) * owned;
     if (k >= first && k < first + count)
       _condensation->add_constrained(own[k - first], {column, owned});
     {

@@ -1,12 +1,31 @@
 # SPDX-License-Identifier: MIT
 # Written by `make stub` from cpp/bindings: not to be changed by hand.
 from collections.abc import Mapping, Sequence
+import enum
 from typing import Any
 
 import dolfinx.cpp
 import numpy
 from numpy.typing import NDArray
 import petsc4py.PETSc
+
+class AveragedNeoHookean:
+    """Forces of averaged strains of neo-Hookean tetrahedra"""
+
+    def __init__(
+        self,
+        integrals: Sequence[int],
+        log_mean: dolfinx.cpp.fem.Function_float64,
+        gradients: NodalAverage,
+        space: dolfinx.cpp.fem.FunctionSpace_float64,
+        displacement: str,
+        lmbda: float,
+        nodes_mu: float,
+        cells_mu: float,
+    ) -> None:
+        """
+        integrals: numbers of those over the material's cells. gradients: as added to the operator. displacement: its name in the operator's kernels. Collective
+        """
 
 class CellBounds:
     """Bounds of the eigenvalues of cell matrices over the cells' masses"""
@@ -112,9 +131,14 @@ class InternalForce_float64:
     def repeat(self, b: NDArray[numpy.float64], times: int) -> None:
         """Assemble several times in a row (for timing)"""
 
-    def add_average(self, average: NodalAverage, displacement: str, moduli: Sequence[float] | None = None) -> None:
+    def add_average(self, average: NodalAverage, displacement: str, stress: MeanStress | None = None) -> None:
         """
-        Compute averages at the nodes before every evaluation, then collective. moduli: lambda, mu of their stress
+        Compute averages at the nodes before every evaluation, then collective. stress: of averages that no kernel reads
+        """
+
+    def add_together(self, forces: AveragedNeoHookean) -> None:
+        """
+        Forces of kernels and averages that are added together from now on, where they can be
         """
 
     @property
@@ -146,6 +170,18 @@ class KernelTangent:
     def set_constants(self, arg0: int, arg1: NDArray[numpy.floating[Any]], /) -> None: ...
     @property
     def matrix(self) -> petsc4py.PETSc.Mat: ...
+
+class MeanLaw(enum.Enum):
+    """Laws of the stress of means at nodes"""
+
+    linear_elastic = 0
+
+    neo_hookean = 1
+
+class MeanStress:
+    """Stress of the mean strain or gradient of a node: its law and moduli"""
+
+    def __init__(self, law: MeanLaw, lmbda: float, mu: float) -> None: ...
 
 class NodalAverage:
     """Averages at the nodes of a measure of the cells around them"""

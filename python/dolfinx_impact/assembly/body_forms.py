@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import ufl
@@ -14,9 +14,10 @@ from ..forms.inelastic import ELASTIC_ENERGY
 from ..forms.materials import weight
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
-from ..materials import Material
+from ..materials import AVERAGED_STRAIN, Material, _Material
 from . import operators
 from .inelastic_part import InelasticParts
+from .nodal_mean import StrainParts, strain_parts
 
 
 @dataclass
@@ -24,11 +25,12 @@ class BodyForms:
     """Forms of bodies for explicit steps.
 
     Attributes:
-        internal: internal virtual work, of rank 1.
+        internal: internal virtual work, of rank 1, less that of `nodal`.
         stiffness: stiffness, of inelastic materials that of their elastic part, of rank 2.
         linear: whether the internal force is linear in the displacement.
         laws: point laws of the kernels, one or by cell tag; None without internal variables.
         parts: inelastic parts; None without.
+        nodal: means of strains whose forces are added node by node.
     """
 
     internal: ufl.Form
@@ -36,6 +38,7 @@ class BodyForms:
     linear: bool
     laws: PointLaw | dict[int, PointLaw] | None = None
     parts: InelasticParts | None = None
+    nodal: list[StrainParts] = field(default_factory=list)
 
 
 def body_forms(u: Function, material: Material) -> BodyForms:
@@ -47,9 +50,12 @@ def body_forms(u: Function, material: Material) -> BodyForms:
     """
     V = u.function_space
     v, du = ufl.TestFunction(V), ufl.TrialFunction(V)
-    internal, stiffness = operators.internal_force_form(u, v, material), operators.tangent_form(u, du, v, material)
+    stiffness = operators.tangent_form(u, du, v, material)
     if not any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
-        return BodyForms(internal, stiffness, all(m.elastic_law(V.mesh).linear for _, m in material.parts()))
+        internal, nodal = _elastic_forces(u, v, material)
+        linear = all(m.elastic_law(V.mesh).linear for _, m in material.parts())
+        return BodyForms(internal, stiffness, linear, nodal=nodal)
+    internal = operators.internal_force_form(u, v, material)
     parts = InelasticParts(u, material)
     form, laws = parts.force(v)
     if isinstance(laws, dict):  # the elastic energy of the other parts is needed, too
@@ -65,6 +71,21 @@ def body_forms(u: Function, material: Material) -> BodyForms:
     else:
         stiffness = parts.elastic_tangent(du, v)
     return BodyForms(form, stiffness, False, laws, parts)
+
+
+def _elastic_forces(u: Function, v: ufl.Argument, material: Material) -> tuple[ufl.Form, list[StrainParts]]:
+    """Internal virtual work of elastic cells, and means of strains whose forces are added node by node."""
+    whole_dx, _ = operators.cells_measure(u, material)
+    nodal: dict[int, StrainParts] = {}  # of each mean, which tags may share
+
+    def term(m: _Material, dx: ufl.Measure) -> ufl.Form:
+        if m.integration != AVERAGED_STRAIN:
+            return elasticity.internal_force(u, v, operators.elastic_law_of(u, m, material), dx)
+        parts = strain_parts(u, m, material, whole_dx)
+        nodal[id(parts.mean)] = parts
+        return elasticity.internal_force(u, v, parts.cells, dx)
+
+    return operators.sum_materials(u, material, term), list(nodal.values())
 
 
 def stiffness_damping(u: Function, velocity: Function, v: ufl.Argument, material: Material, beta: Any) -> ufl.Form:

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 from .averaged_form import compile_columns, split_averages
 from .ffcx_form import ffcx_form
 from .interior_facets import interior_facets
-from .nodal_mean import NodalMean, is_averaged, mean_of
+from .nodal_mean import NodalMean, StrainParts, is_averaged, mean_of
 from .one_point import check_integration
 from ..common.described import Described
 from .. import _cpp, compat
@@ -261,7 +261,7 @@ class _Operator:
                 integrals.append(_cpp.operators.Integral(kernel.address, entities, constants, known))
                 self._kernels.append(kernel)
                 tags.append(subdomain)
-        self.coefficients = coefficients
+        self.coefficients, self._tags = coefficients, tags
         self._cpp_object = _cpp.operators.InternalForce_float64(
             self.mesh,
             None if self.test is None else self.test._cpp_object,
@@ -432,19 +432,17 @@ def nodal_average(mean: NodalMean, width: int = 0) -> _cpp.operators.NodalAverag
     return _cpp.operators.NodalAverage(measure._cpp_object, volume._cpp_object, mean._cpp_object, name, mean.is_linear)
 
 
-def without_linear_means(form: ufl.Form) -> tuple[ufl.Form, list[NodalMean]]:
-    """What is left of a form of internal forces for the cells where forces of mean strains are a product with a matrix.
-
-    Args:
-        form: form of rank 1.
-
-    Returns:
-        The form without the means that have moduli, and these means.
-    """
-    if not isinstance(form, ufl.Form):
-        return form, []  # InternalForce says what is wrong with it
-    means = [f for f in form.coefficients() if isinstance(f, NodalMean) and f.moduli is not None]
-    return ufl.replace(form, {f: ufl.as_vector([0] * len(f)) for f in means}) if means else form, means
+def _add_nodal_forces(operator: InternalForce, parts: StrainParts) -> None:
+    """Add to the cells' forces those of their nodes' mean strains. Collective."""
+    u = parts.mean.displacement
+    name = next(name for name, f in operator.coefficients.items() if f is u)
+    average = nodal_average(parts.mean)
+    operator._cpp_object.add_average(average, name, parts.stress)
+    if parts.moduli is not None:
+        log_mean, space = parts.cells.mean._cpp_object, u.function_space._cpp_object
+        integrals = [i for i, tag in enumerate(operator._tags) if not parts.tags or tag in parts.tags]
+        together = _cpp.operators.AveragedNeoHookean(integrals, log_mean, average, space, name, *parts.moduli)
+        operator._cpp_object.add_together(together)
 
 
 def update_means(functions: Iterable[Function]) -> None:
@@ -523,8 +521,7 @@ class SplitForce(Described):
         velocity: coefficient that the integrator sets to the velocity; None: the form has none.
         law: as for InternalForce; each evaluation ends a step, internal variables are overwritten in place.
         mixed: whether the element vectors are computed in float.
-        of_material: whether the form is the internal force of materials and nothing else: forces of mean strains are
-            then a product with a matrix. A residual of a user's own may have multiples of them.
+        nodal: means of strains whose forces are added to those of the form.
 
     Attributes:
         history: internal variables of all parts, `PointHistory`; empty without a law.
@@ -537,19 +534,17 @@ class SplitForce(Described):
         velocity: Function | None = None,
         law: Laws | None = None,
         mixed: bool = False,
-        of_material: bool = False,
+        nodal: Sequence[StrainParts] = (),
     ) -> None:
-        form, means = without_linear_means(form) if of_material and law is None else (form, [])
         self._parts = [InternalForce(form, part=part, law=law) for part in ("early", "outer", "late")]
         outer = self._parts[1]  # which is computed when the displacements of ghosts are known
-        for mean in means:
-            name = next(name for name, f in outer.coefficients.items() if f is mean.displacement)
-            outer._cpp_object.add_average(nodal_average(mean), name, mean.moduli)
+        for means in nodal:
+            _add_nodal_forces(outer, means)
         self.history = self._parts[0].history + self._parts[1].history + self._parts[2].history
-        for part in self._parts:
-            part._cpp_object.set_in_place(True)
+        for operator in self._parts:
+            operator._cpp_object.set_in_place(True)
             if mixed:
-                part._cpp_object.set_mixed()
+                operator._cpp_object.set_mixed()
         compiled, coefficients = self._parts[0].compiled, self._parts[0].coefficients
         self._names = {id(f): name for name, f in coefficients.items()}
         self._given = displacement, velocity

@@ -15,7 +15,7 @@ from ufl.algorithms import expand_derivatives
 
 from .. import _cpp
 from ..added_mass import added_masses
-from ..assembly.nodal_mean import NodalMean
+from ..assembly.nodal_mean import NodalMean, StrainParts
 from ..assembly import lumped_mass as lumps
 from ..assembly import operators
 from ..assembly.body_forms import body_forms, stiffness_damping
@@ -93,13 +93,14 @@ class ExplicitBodies(Described):
         resisting = damping_tangent = self._laws = None
         self.parts: InelasticParts | None = None
         tags: MeshTags | None = None
+        nodal: Sequence[StrainParts] = ()
         self.material = given
         if residual is None:
             assert given is not None  # the caller has checked it
             hypothesis = given.hypothesis_on(mesh)
             forms = body_forms(u, given)
             internal, bounding, self.linear = forms.internal, forms.stiffness, forms.linear
-            self._laws, self.parts = forms.laws, forms.parts
+            self._laws, self.parts, nodal = forms.laws, forms.parts, forms.nodal
             densities, tags = [(t, m.mass_density(mesh)) for t, m in given.parts()], given.cell_tags
         else:
             internal, resisting = split(residual, velocity)
@@ -147,7 +148,7 @@ class ExplicitBodies(Described):
         # The stiffness that bounds the frequencies of inelastic parts is that of their elastic part in the deformed
         # shape: no internal variable changes it but by the deformation, which is watched.
         self.periodic = any(c is velocity for c in read) or (deforms and not self.watched)
-        self.internal = operators.SplitForce(internal, u, law=self._laws, mixed=mixed, of_material=residual is None)
+        self.internal = operators.SplitForce(internal, u, law=self._laws, mixed=mixed, nodal=nodal)
         self.terms: list[operators.SplitForce] = [self.internal]
         self._kinds: list[_cpp.integrators.WorkKind] = []
         if resisting is None:

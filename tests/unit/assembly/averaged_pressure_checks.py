@@ -95,8 +95,9 @@ def check_tangent_is_the_derivative_of_the_force():
 
 
 def check_explicit_force_is_that_of_the_operator():
-    """Explicit problems read means and padded displacements by the kernels' sweeps, or multiply by a matrix of the
-    nodes; the operator gathers batch by batch. Sums over ranks may differ in their order: a limit of round-off."""
+    """Explicit problems read means and padded displacements by the kernels' sweeps, multiply by a matrix of the nodes,
+    or have two sweeps written by hand (AveragedNeoHookean); the operator gathers batch by batch. Sums over ranks may
+    differ in their order: a limit of round-off."""
     for law, how in AVERAGED_LAWS:
         u = bent(cube())
         material = two_materials(u.function_space, law, how)
@@ -145,14 +146,16 @@ def check_ranks_without_cells():
 
 
 def check_linear_means_are_those_of_kernels():
-    """Means of tr(eps) are a product with a matrix in explicit runs (operators/LinearSums.h); the operator adds up what
-    kernels compute. A limit of round-off, as above."""
+    """Means of tr(eps), of strains and of gradients are a product with a matrix in explicit runs, in the plane also
+    those of neo-Hooke's law (operators/LinearSums.h); the operator adds up what kernels compute. A limit of round-off,
+    as above."""
     square = mesh.create_unit_square(COMM, 4, 4, mesh.CellType.triangle)
     spaces = cube(), fem.functionspace(square, ("Lagrange", 1, (2,)))
-    for V, how in ((V, how) for V in spaces for how in (PRESSURE, STRAIN)):
+    laws = (di.LinearElastic, PRESSURE), (di.LinearElastic, STRAIN), (di.NeoHookean, STRAIN)
+    for V, (law, how) in ((V, kind) for V in spaces for kind in laws):
         u, dim = fem.Function(V, name="u"), V.mesh.geometry.dim
         u.interpolate(lambda x, n=dim: 0.03 * np.array([np.sin(3 * x[1]) * x[0], x[0] * x[1] - x[0], x[0] ** 2])[:n])
-        steel = di.LinearElastic(1.0, 0.4, 1.0, ("plane_strain", "3d")[dim - 2], integration=how)
+        steel = law(1.0, 0.4, 1.0, ("plane_strain", "3d")[dim - 2], integration=how)
         problem = di.ExplicitProblem(u, steel)
         problem.advance(1e-3, dt=1e-3, progress=False)
         force = operators.InternalForce(operators.internal_force_form(u, ufl.TestFunction(V), steel)).apply().array
@@ -160,6 +163,30 @@ def check_linear_means_are_those_of_kernels():
         found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
         largest = COMM.allreduce(np.abs(force[:n]).max(), MPI.MAX)
         assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-4
+
+
+def check_laws_side_by_side():
+    """Each material has its own means and its own way of adding forces; two tags share one."""
+    V = cube(n=4)
+    num = V.mesh.topology.index_map(3).size_local + V.mesh.topology.index_map(3).num_ghosts
+    cells = np.arange(num, dtype=np.int32)
+    layers = (4 * mesh.compute_midpoints(V.mesh, 3, cells)[:, 0]).astype(np.int32)
+    tags = mesh.meshtags(V.mesh, 3, cells, layers)
+    shared = di.NeoHookean(1.0, 0.3, 1.0, integration=STRAIN)
+    materials = {
+        0: shared,
+        1: di.LinearElastic(2.0, 0.4, 1.0, integration=STRAIN),
+        2: shared,
+        3: di.NeoHookean(3.0, 0.2, 1.0, integration=PRESSURE),
+    }
+    u, material = bent(V), di.MaterialMap(tags, materials)
+    problem = di.ExplicitProblem(u, material)
+    form = operators.internal_force_form(u, ufl.TestFunction(V), material)
+    force = operators.InternalForce(form).apply().array
+    n = 3 * V.dofmap.index_map.size_local
+    found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
+    largest = COMM.allreduce(np.abs(force[:n]).max(), MPI.MAX)
+    assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
 
 
 def run(comm, until=0.4, integration=PRESSURE):

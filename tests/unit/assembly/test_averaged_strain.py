@@ -4,14 +4,22 @@
 Derivatives, ranks and checkpoints: averaged_pressure_checks.py. Bending: tests/verification/test_linear_tetrahedra.py.
 """
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
+import ufl
 from averaged_pressure_checks import LAWS, bent, cube, owned_product
 from dolfinx import fem, mesh
 from mpi4py import MPI
 from test_averaged_pressure import force, problem_of
 
 import dolfinx_impact as di
+from dolfinx_impact.assembly import operators
+from dolfinx_impact.forms import averaged_strain, elasticity
 
 STRAIN = "averaged_strain"
 
@@ -69,6 +77,36 @@ def test_an_own_share_of_the_cells_bears_alternating_strains():
         for how in ("full", STRAIN)
     )
     assert averaged > 0.1 * full > 0
+
+
+def test_what_is_left_for_cells_and_nodes():
+    """Without a volumetric part (nu = 0) CellsOfLinearElastic and CellsOfNeoHookean have their share of the plain laws'
+    forces; NodesOfNeoHookean averages the nine components of the gradient, LinearElastic six strains. Round-off."""
+    u = bent(distorted())
+    V, v = u.function_space, ufl.TestFunction(u.function_space)
+    parts = {
+        di.LinearElastic: averaged_strain.CellsOfLinearElastic(1.0, 0.0, "3d"),
+        di.NeoHookean: averaged_strain.CellsOfNeoHookean(1.0, 0.0, "3d", fem.Constant(V.mesh, 0.3)),
+    }
+    for law, cells in parts.items():
+        own = operators.InternalForce(elasticity.internal_force(u, v, cells, ufl.dx(domain=V.mesh))).apply().array
+        plain = force(u, law(1.0, 0.0, 1.0))
+        assert np.abs(own - (1 - averaged_strain.SHARE) * plain).max() < 1e-15 < 1e-3 < np.abs(plain).max()
+    assert set(averaged_strain.SPLIT) == set(averaged_strain.LAWS)
+    nodes = averaged_strain.NodesOfNeoHookean(1.0, 0.0, "3d", None)
+    assert nodes.linear and len(nodes.measure(u)) == nodes.num_means(3) == 9
+    assert averaged_strain.SPLIT["linear_elastic"][1].num_means(3) == 6
+
+
+@pytest.mark.parametrize("width", (1, 4))
+def test_forces_of_all_widths(width):
+    """Sweeps written by hand are for vectors: with a cell at a time kernels and LinearSums give the same forces. The
+    width is read once in a process."""
+    code = "import averaged_pressure_checks as checks; checks.check_explicit_force_is_that_of_the_operator()"
+    paths = [str(Path(__file__).parent), *sys.path]
+    given = os.environ | {"IMPACT_SIMD_WIDTH": str(width), "PYTHONPATH": os.pathsep.join(filter(None, paths))}
+    done = subprocess.run([sys.executable, "-c", code], env=given, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stderr
 
 
 def test_refused():
