@@ -163,7 +163,7 @@ void ReleasedFactors::apply(Vec r, Vec z) const
   const std::vector<double> openings = dense_product(_inverse, products(left), _num_columns);
   for (int k = 0; k < _num_columns; ++k)
   {
-    const double* const column = &_columns[std::size_t(k) * moved.size()];
+    const double* const column = _columns.data() + std::size_t(k) * moved.size();
     for (std::size_t i = 0; i < moved.size(); ++i)
       moved[i] += openings[k] * column[i];
   }
