@@ -405,7 +405,7 @@ class Passage:
         history = found.part("history")
         self._history = {n: history.array(n).reshape(run.history[n].values.shape) for n in history.names}
         self._penalty, self.static_force = numbers["penalty"], float(numbers["static_force"])
-        self._shares = bool(numbers["shares"])
+        self._shares = bool(numbers.get("shares", False))  # older folders name other factors, or none
         if self.run is None and self._unloaded is not None:
             self.u.x.array[:] = self._unloaded
 
