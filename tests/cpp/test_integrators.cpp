@@ -325,3 +325,62 @@ TEST_CASE("the end of an implicit step has the formulas of Newmark, Chung and Hu
     CHECK((landed.acceleration[0] == Approx(-9.0) && landed.mean[0] == Approx(-9.0)));
   }
 }
+
+TEST_CASE("an update by the nodes' masses is that by degree of freedom, to the last bit")
+{
+  constexpr int num_nodes = 37;
+  NodalFields one(std::make_shared<const dolfinx::common::IndexMap>(MPI_COMM_SELF, num_nodes), 3);
+  REQUIRE(one.stride == 4);
+  const auto number = [](std::size_t k) { return std::sin(7.0 * double(k) + 1.0); };
+  for (std::size_t node = 0; node < num_nodes; ++node)
+    for (std::size_t c = 0; c < 3; ++c)
+    {
+      const std::size_t i = 4 * node + c;
+      one.mass[i] = 2.0 + number(node);
+      one.inverse[i] = 1.0 / one.mass[i];
+      one.u[i] = number(i);
+      one.v[i] = number(i + 1000);
+      one.r[i] = number(i + 2000);
+    }
+  one.inverse[4 * 5 + 1] = 0.0; // prescribed before
+  NodeMasses masses(one);
+  REQUIRE(masses.known());
+  for (const std::size_t entry : {4 * 9 + 0, 4 * 9 + 2, 4 * 11 + 1})
+  {
+    one.inverse[entry] = 0.0;
+    masses.prescribe(entry);
+  }
+  NodalFields other = [&]
+  {
+    NodalFields copy(std::make_shared<const dolfinx::common::IndexMap>(MPI_COMM_SELF, num_nodes), 3);
+    copy.u = one.u;
+    copy.v = one.v;
+    copy.r = one.r;
+    return copy;
+  }();
+  AlignedVector loads(one.owned_entries, 0.0);
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    loads[i] = i % 4 == 3 ? 0.0 : number(i + 3000);
+  const Coefficients c{0.9, 0.011, 0.01};
+  for (const double* external : {static_cast<const double*>(nullptr), static_cast<const double*>(loads.data())})
+  {
+    for (std::size_t i = 0; i < one.r.size(); ++i)
+      one.r[i] = other.r[i] = i % 4 == 3 ? 0.0 : number(i + 4000);
+    const Sums a = update(one.owned_entries, one.r.data(), external, one.inverse.data(), one.mass.data(), c,
+                          one.u.data(), one.v.data());
+    const Sums b = update(num_nodes, other.r.data(), external, masses, c, other.u.data(), other.v.data());
+    CHECK(a.momentum == b.momentum);
+    CHECK(a.speed == b.speed);
+    CHECK(a.old_speed == b.old_speed);
+    CHECK(a.position == b.position);
+    CHECK(a.before == b.before);
+    CHECK(a.after == b.after);
+    CHECK(a.load_before == b.load_before);
+    CHECK(a.load_after == b.load_after);
+    CHECK(one.u == other.u);
+    CHECK(one.v == other.v);
+    CHECK(one.r == other.r);
+  }
+  one.mass[4 * 3 + 1] *= 2.0; // a component's own mass
+  CHECK_FALSE(NodeMasses(one).known());
+}

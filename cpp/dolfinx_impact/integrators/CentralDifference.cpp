@@ -41,6 +41,7 @@ CentralDifference::CentralDifference(const std::shared_ptr<const FunctionSpace>&
   _fields.spread(mass, _fields.mass);
   for (std::size_t i = 0; i < mass.size(); ++i)
     _fields.inverse[_fields.entry(i)] = 1.0 / mass[i];
+  _masses = NodeMasses(_fields);
 }
 
 std::vector<std::int32_t> CentralDifference::entries(std::span<const std::int32_t> dofs) const
@@ -76,7 +77,10 @@ void CentralDifference::prescribe(std::span<const std::int32_t> dofs, std::span<
   const std::vector<std::int32_t> places = entries(dofs);
   _prescribed.add(places, values, amplitude);
   for (const std::int32_t place : places)
+  {
     _fields.inverse.at(place) = 0.0;
+    _masses.prescribe(std::size_t(place));
+  }
   _fields.halo->forward(_fields.inverse, _fields.bs, _fields.stride);
 }
 
@@ -212,8 +216,10 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   const double mean_step = 0.5 * (_last_step + dt);
   _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
   _contact.keep(f);
-  Sums sums =
-      update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), f.mass.data(), c, f.u.data(), f.v.data());
+  Sums sums = _masses.known() ? update(f.owned_entries / f.stride, f.r.data(), _loads.forces(), _masses, c, f.u.data(),
+                                       f.v.data())
+                              : update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), f.mass.data(), c,
+                                       f.u.data(), f.v.data());
   const PrescribedMotion::Power power =
       _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
   _contact.advance_bodies(dt, mean_step, _last_step == 0.0);

@@ -157,6 +157,7 @@ private:
 
   operators::NodePositions _positions; ///< of the undeformed mesh, as it is when a run begins
   NodalFields _fields;
+  NodeMasses _masses; ///< of `_fields`, as `update` reads them
   FormForces _internal;
   double _alpha;
   Scheme _scheme;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "NodeMasses.h"
 #include <cstddef>
 
 namespace dolfinx_impact::integrators
@@ -36,6 +37,9 @@ struct Coefficients
 /// @param[in,out] u, v displacements and velocities
 Sums update(std::size_t n, double* r, const double* load, const double* inverse_mass, const double* mass,
             const Coefficients& c, double* u, double* v);
+/// The same of nodes of three components that are padded to four entries; masses.known().
+Sums update(std::size_t num_nodes, double* r, const double* load, const NodeMasses& masses, const Coefficients& c,
+            double* u, double* v);
 /// The same sums without the update, v_new being what it would be.
 Sums measure(std::size_t n, const double* r, const double* load, const double* inverse_mass, const double* mass,
              const Coefficients& c, const double* u, const double* v);

@@ -172,6 +172,57 @@ IMPACT_ALWAYS_INLINE void scatter(double* result, const int* nodes, const T* A)
   }
 }
 
+/// Four of the lanes.
+template <int part, typename T>
+IMPACT_ALWAYS_INLINE Column lanes_of(T x)
+{
+  if constexpr (sizeof(T) == sizeof(Column))
+    return x;
+  else if constexpr (part == 0)
+    return __builtin_shufflevector(x, x, 0, 1, 2, 3);
+  else
+    return __builtin_shufflevector(x, x, 4, 5, 6, 7);
+}
+
+/// Cells with more nodes would need more registers than there are.
+constexpr int most_nodes_at_once = 4;
+
+/// Adds to all nodes of four cells, a cell after the other: neighbouring cells share nodes, and an addition waits for
+/// the last one's store.
+template <int W, int N, int part, typename T>
+IMPACT_ALWAYS_INLINE void scatter_cells4(double* result, const int* nodes, const T* A)
+{
+  Columns<4> rows[N];
+#pragma GCC unroll 16
+  for (int i = 0; i < N; ++i)
+    rows[i] =
+        transposed(lanes_of<part>(A[3 * i]), lanes_of<part>(A[3 * i + 1]), lanes_of<part>(A[3 * i + 2]), Column{});
+#pragma GCC unroll 4
+  for (int l = 0; l < 4; ++l)
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i)
+    {
+      Row& node = *reinterpret_cast<Row*>(result + 4 * static_cast<long long>(nodes[W * i + 4 * part + l]));
+      node = node + rows[i].c[l];
+    }
+}
+
+/// Adds to all nodes of the cells.
+template <int W, int N, int BS, typename T>
+IMPACT_ALWAYS_INLINE void scatter_all(double* result, const int* nodes, const T* A)
+{
+  if constexpr (BS == 3 && N <= most_nodes_at_once)
+  {
+    scatter_cells4<W, N, 0>(result, nodes, A);
+    if constexpr (W == 8)
+      scatter_cells4<W, N, 1>(result, nodes, A);
+  }
+  else
+#pragma GCC unroll 16
+    for (int i = 0; i < N; ++i)
+      scatter<W, BS>(result, nodes + W * i, A + BS * i);
+}
+
 /// Gathers the values of node i of the cells; with `differences` less those of the first node, which has `first`.
 template <int W, int BS, bool differences, typename T>
 IMPACT_ALWAYS_INLINE void gather_node(int i, const double* values, const int* nodes, T* first, T* w)
@@ -233,9 +284,7 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
     for (int i = 0; i < size; ++i)
       A[i] = -T{}; // added to -0 a number is itself, also -0: compilers leave the sum out
     kernel(A, w, constants, x, 0);
-#pragma GCC unroll 16
-    for (int i = 0; i < N; ++i)
-      scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);
+    scatter_all<W, N, of.test_components>(s.result, nodes, A);
     for (int k = 0; k < num_sums; ++k)
       for (int lane = 0; lane < W; ++lane)
         s.sums[k] += A[size + k][lane];
@@ -290,9 +339,7 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
     for (int i = 0; i < size; ++i)
       A[i] = T{};
     kernel(A, w[buffer], constants, x[buffer], 0, history);
-#pragma GCC unroll 16
-    for (int i = 0; i < N; ++i)
-      scatter<W, of.test_components>(s.result, nodes + W * i, A + of.test_components * i);
+    scatter_all<W, N, of.test_components>(s.result, nodes, A);
     for (int k = 0; k < at.num_sums; ++k)
       for (int lane = 0; lane < W; ++lane)
         s.sums[k] += A[at.sum_offset + k][lane];
