@@ -216,10 +216,10 @@ void CentralDifference::advance(double dt, const double* amplitudes)
   const double mean_step = 0.5 * (_last_step + dt);
   _prescribed.keep(f.u.data(), f.v.data(), f.r.data());
   _contact.keep(f);
-  Sums sums = _masses.known() ? update(f.owned_entries / f.stride, f.r.data(), _loads.forces(), _masses, c, f.u.data(),
-                                       f.v.data())
-                              : update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), f.mass.data(), c,
-                                       f.u.data(), f.v.data());
+  Sums sums = _masses.known()
+                  ? update(f.owned_entries / f.stride, f.r.data(), _loads.forces(), _masses, c, f.u.data(), f.v.data())
+                  : update(f.owned_entries, f.r.data(), _loads.forces(), f.inverse.data(), f.mass.data(), c, f.u.data(),
+                           f.v.data());
   const PrescribedMotion::Power power =
       _prescribed.impose(dt, mean_step, _alpha, amplitudes, f.mass.data(), _loads, f.u.data(), f.v.data(), sums);
   _contact.advance_bodies(dt, mean_step, _last_step == 0.0);

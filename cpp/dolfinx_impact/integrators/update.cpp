@@ -114,9 +114,9 @@ IMPACT_CLONES Sums update_free_nodes(std::size_t num_nodes, double* r, const dou
   return update_nodes<false>(num_nodes, r, nullptr, inverse_mass, mass, free, c, u, v);
 }
 
-IMPACT_CLONES Sums update_loaded_nodes(std::size_t num_nodes, double* r, const double* load,
-                                       const double* inverse_mass, const double* mass, const std::uint8_t* free,
-                                       const Coefficients& c, double* u, double* v)
+IMPACT_CLONES Sums update_loaded_nodes(std::size_t num_nodes, double* r, const double* load, const double* inverse_mass,
+                                       const double* mass, const std::uint8_t* free, const Coefficients& c, double* u,
+                                       double* v)
 {
   return update_nodes<true>(num_nodes, r, load, inverse_mass, mass, free, c, u, v);
 }

@@ -15,10 +15,10 @@ struct Increment
   std::vector<double> residual_norms = {};         ///< norm of the free residual by iteration [F]
   std::vector<std::int64_t> active_set_sizes = {}; ///< number of active contact points by iteration
   std::vector<std::int64_t> changes = {};          ///< number of points whose status changed by iteration
-  int iterations = 0;                         ///< linearised problems, each with its active set updated to convergence
-  int unsettled = 0;                          ///< those of them whose active set did not converge
-  int unsettled_in_succession = 0;            ///< the last of those in succession
-  std::vector<std::int8_t> closed = {};            ///< whether each contact was closed at the start; empty: not known
+  int iterations = 0;                   ///< linearised problems, each with its active set updated to convergence
+  int unsettled = 0;                    ///< those of them whose active set did not converge
+  int unsettled_in_succession = 0;      ///< the last of those in succession
+  std::vector<std::int8_t> closed = {}; ///< whether each contact was closed at the start; empty: not known
 
   /// Add an iteration.
   /// @param[in] norm of the free residual [F]
