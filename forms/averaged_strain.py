@@ -215,7 +215,7 @@ class CellsOfNeoHookean(averaged_pressure.NeoHookean):
         self.mu = cells_shear_modulus(self.mu)
 
 
-class NodesOfNeoHookean(materials.Law):
+class NodesOfNeoHookean(materials.NeoHookean):
     """What nodes average for P = mu b (F_a - F_a^-T): components of grad u, row by row.
 
     Args:
@@ -225,7 +225,7 @@ class NodesOfNeoHookean(materials.Law):
         mean: their means, a vector of degree 1 [1].
     """
 
-    name, linear = "neo_hookean", True
+    linear = True  # in the displacement: the means
 
     def __init__(self, E: Any, nu: Any, hypothesis: str, mean: Any) -> None:
         super().__init__(E, nu, hypothesis)

@@ -15,10 +15,13 @@ COMM = MPI.COMM_WORLD
 
 
 def stack(comm=COMM):
-    """Turned blocks that fall on each other: nodes on facets and crossed edges."""
+    """Turned blocks that fall on each other: nodes on facets and crossed edges.
+
+    Each is a little aside of the last one: where a node meets an edge between two facets, round-off would decide.
+    """
     bodies = []
     for k in range(4):
-        low = np.array([0.07 * (-1) ** k, 0.0, 1.02 * k])
+        low = np.array([0.07 * (-1) ** k, 0.03 * k, 1.02 * k])
         turn = rotation((0, 0, 1), 0.3 * k)
         bodies.append(((2, 2, 2), box(low, low + 1.0, turn), (0.1 * k, 0.0, -0.3 * k)))
     return Flying(bodies, "tetrahedron", comm=comm)
