@@ -233,11 +233,9 @@ class NodesOfNeoHookean(materials.NeoHookean):
 
     @staticmethod
     def num_means(dim: int) -> int:
-        """Number of means of a node."""
         return dim * dim
 
     def measure(self, u: Any) -> Any:
-        """What is averaged [1]."""
         return ufl.as_vector(gradient_components(u))
 
 
