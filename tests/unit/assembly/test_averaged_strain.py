@@ -126,6 +126,8 @@ def test_refused():
     u = fem.Function(cube(MPI.COMM_SELF, 1), name="u")
     with pytest.raises(TypeError, match="needs averages over the cells around nodes"):
         rubber.stress(u)
-    with pytest.raises(ValueError, match="precision='mixed' is for integration='full' and 'reduced', found 'averaged_strain'"):
+    with pytest.raises(
+        ValueError, match="precision='mixed' is for integration='full' and 'reduced', found 'averaged_strain'"
+    ):
         di.ExplicitProblem(u, rubber, precision="mixed")
     assert STRAIN in repr(rubber)
