@@ -12,6 +12,7 @@ namespace
 #define IMPACT_ALWAYS_INLINE __attribute__((always_inline)) inline
 using swept::Column;
 using swept::Columns;
+using swept::lanes_of;
 using swept::Row;
 
 constexpr int W = IMPACT_LANES;
@@ -78,17 +79,6 @@ IMPACT_ALWAYS_INLINE Tensor derivatives(const double* values, const int* nodes)
   return out;
 }
 
-/// Four of the lanes.
-template <int part, typename T>
-IMPACT_ALWAYS_INLINE Column lanes(T x)
-{
-  if constexpr (sizeof(T) == sizeof(Column))
-    return x;
-  else if constexpr (part == 0)
-    return __builtin_shufflevector(x, x, 0, 1, 2, 3);
-  else
-    return __builtin_shufflevector(x, x, 4, 5, 6, 7);
-}
 /// All lanes; of vectors of four the first are all.
 template <typename T = V>
 IMPACT_ALWAYS_INLINE T joined(Column low, Column high)
@@ -102,7 +92,7 @@ IMPACT_ALWAYS_INLINE T joined(Column low, Column high)
 template <int part>
 IMPACT_ALWAYS_INLINE Columns<4> rows_of_lanes(const Vector& v, Column fourth = Column{})
 {
-  return swept::transposed(lanes<part>(v.c[0]), lanes<part>(v.c[1]), lanes<part>(v.c[2]), fourth);
+  return swept::transposed(lanes_of<part>(v.c[0]), lanes_of<part>(v.c[1]), lanes_of<part>(v.c[2]), fourth);
 }
 
 IMPACT_ALWAYS_INLINE Row* rows(double* means, int node)
@@ -119,7 +109,7 @@ IMPACT_ALWAYS_INLINE const Row* rows(const double* means, int node)
 template <int part>
 IMPACT_ALWAYS_INLINE void add_to_nodes(double* means, const int* nodes, const Tensor& H, V log_J)
 {
-  const Columns<4> first = rows_of_lanes<part>(H.row[0], lanes<part>(log_J)), second = rows_of_lanes<part>(H.row[1]),
+  const Columns<4> first = rows_of_lanes<part>(H.row[0], lanes_of<part>(log_J)), second = rows_of_lanes<part>(H.row[1]),
                    third = rows_of_lanes<part>(H.row[2]);
 #pragma GCC unroll 4
   for (int l = 0; l < 4; ++l)
@@ -153,23 +143,17 @@ IMPACT_ALWAYS_INLINE void sum_of_nodes(const double* means, const int* nodes, Co
     columns[j] = swept::transposed(sums[j][0], sums[j][1], sums[j][2], sums[j][3]);
 }
 
-/// Forces of all nodes but the first, to which the opposite is added. In the order of `add_to_nodes`.
-template <int part>
+/// Adds forces of all nodes but the first, and to that one the opposite.
 IMPACT_ALWAYS_INLINE void scatter(double* forces, const int* nodes, const Tensor& f)
 {
-  Vector opposite;
+  V of_nodes[12];
   for (int i = 0; i < 3; ++i)
-    opposite.c[i] = -(f.row[0].c[i] + f.row[1].c[i] + f.row[2].c[i]);
-  const Columns<4> of_nodes[4] = {rows_of_lanes<part>(opposite), rows_of_lanes<part>(f.row[0]),
-                                  rows_of_lanes<part>(f.row[1]), rows_of_lanes<part>(f.row[2])};
-#pragma GCC unroll 4
-  for (int l = 0; l < 4; ++l)
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; ++i)
-    {
-      Row& at = *reinterpret_cast<Row*>(forces + 4 * static_cast<long long>(nodes[W * i + 4 * part + l]));
-      at = at + of_nodes[i].c[l];
-    }
+  {
+    of_nodes[i] = -(f.row[0].c[i] + f.row[1].c[i] + f.row[2].c[i]);
+    for (int d = 0; d < 3; ++d)
+      of_nodes[3 * (d + 1) + i] = f.row[d].c[i];
+  }
+  swept::scatter_all<W, 4, 3>(forces, nodes, of_nodes);
 }
 
 /// One in lanes that count.
@@ -243,9 +227,7 @@ void add_forces(const AveragedCells& cells, const AveragedModuli& moduli)
       for (int i = 0; i < 3; ++i)
         f.row[d].c[i] = P.row[0].c[i] * C.row[d].c[0] + P.row[1].c[i] * C.row[d].c[1] + P.row[2].c[i] * C.row[d].c[2] +
                         of_inverse * D.row[d].c[i];
-    scatter<0>(s.forces, nodes, f);
-    if constexpr (W == 8)
-      scatter<1>(s.forces, nodes, f);
+    scatter(s.forces, nodes, f);
   }
 }
 

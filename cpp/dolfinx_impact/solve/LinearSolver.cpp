@@ -617,30 +617,15 @@ PetscErrorCode LinearSolver::multiply(Mat A, Vec x, Vec y)
   PetscFunctionReturn(PETSC_SUCCESS);
 }
 
-PetscErrorCode LinearSolver::apply_updated(PC pc, Vec r, Vec z)
+template <auto factors>
+PetscErrorCode LinearSolver::apply(PC pc, Vec r, Vec z)
 {
   void* context = nullptr;
   PetscFunctionBeginUser;
   PetscCall(PCShellGetContext(pc, &context));
   try
   {
-    static_cast<const LinearSolver*>(context)->_updated->apply(r, z);
-  }
-  catch (const std::exception& error) // it must not pass through PETSc's C
-  {
-    SETERRQ(PETSC_COMM_SELF, PETSC_ERR_LIB, "%s", error.what());
-  }
-  PetscFunctionReturn(PETSC_SUCCESS);
-}
-
-PetscErrorCode LinearSolver::apply_released(PC pc, Vec r, Vec z)
-{
-  void* context = nullptr;
-  PetscFunctionBeginUser;
-  PetscCall(PCShellGetContext(pc, &context));
-  try
-  {
-    static_cast<const LinearSolver*>(context)->_released->apply(r, z);
+    (static_cast<const LinearSolver*>(context)->*factors)->apply(r, z);
   }
   catch (const std::exception& error) // it must not pass through PETSc's C
   {
@@ -744,9 +729,9 @@ void LinearSolver::run(LinearSystem& system, Vec b, Vec x)
     check(KSPSetPC(_ksp, shell), "a preconditioner is chosen");
   };
   if (uses_updated(system))
-    choose_shell(_shell, &LinearSolver::apply_updated);
+    choose_shell(_shell, &LinearSolver::apply<&LinearSolver::_updated>);
   else if (releases(system))
-    choose_shell(_released_shell, &LinearSolver::apply_released);
+    choose_shell(_released_shell, &LinearSolver::apply<&LinearSolver::_released>);
   else if (const auto* const condensed = dynamic_cast<const CondensedSystem*>(&system);
            condensed && _own != system.id() && leaves_out_pins(system))
   {

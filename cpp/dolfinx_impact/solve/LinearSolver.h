@@ -98,8 +98,8 @@ private:
     LinearSystem* system = nullptr; ///< that products are taken with
   };
   static PetscErrorCode multiply(Mat A, Vec x, Vec y);
-  static PetscErrorCode apply_updated(PC pc, Vec r, Vec z);
-  static PetscErrorCode apply_released(PC pc, Vec r, Vec z);
+  template <auto factors>
+  static PetscErrorCode apply(PC pc, Vec r, Vec z);
 
   void set_option(const std::string& key, const std::string& value);
   void forget_matrix();

@@ -4,6 +4,7 @@
 #include "dense.h"
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 using dolfinx_impact::operators::check;
@@ -26,69 +27,44 @@ std::int64_t ReleasedFactors::num_columns(MPI_Comm comm, const enforcement::Cond
 
 ReleasedFactors::ReleasedFactors(Mat factors, std::shared_ptr<enforcement::Condensation> condensation,
                                  std::vector<std::int8_t> pinned, Mat K)
-    : _comm(PetscObjectComm(PetscObject(K))), _factors(factors), _condensation(std::move(condensation)),
-      _pinned(std::move(pinned)), _num_columns(int(num_columns(_comm, *_condensation)))
+    : _comm(PetscObjectComm(PetscObject(K))), _num_columns(int(num_columns(_comm, *condensation))),
+      _factors(factors, std::move(condensation), std::move(pinned))
 {
-  std::ranges::fill(_condensation->known, 0.0);
-  const std::size_t owned = _pinned.size();
-  check(MatCreateVecs(_condensation->right(), &_right, &_answer), "vectors are made");
+  const enforcement::Condensation& conditions = _factors.condensation();
+  const std::size_t owned = _factors.num_owned();
   check(MatCreateVecs(K, &_moved, &_force), "vectors are made");
   // The constrained components of this rank, and the number of the first of them among those of all ranks.
   std::vector<std::int32_t> own;
   for (std::size_t i = 0; i < owned; ++i)
-    if (_condensation->pinned()[i])
+    if (conditions.pinned()[i])
       own.push_back(std::int32_t(i));
   int count = int(own.size()), first = 0;
   MPI_Exscan(&count, &first, 1, MPI_INT, MPI_SUM, _comm);
   int rank = 0;
   MPI_Comm_rank(_comm, &rank);
   first = rank == 0 ? 0 : first; // MPI_Exscan leaves it undefined there
-  Mat right = nullptr, answer = nullptr;
-  check(MatCreateDense(_comm, PetscInt(owned), PETSC_DECIDE, PETSC_DETERMINE, _num_columns, nullptr, &right),
-        "right sides are made");
   _columns.assign(owned * std::size_t(_num_columns), 0.0);
-  double* sides = nullptr;
-  check(MatDenseGetArrayWrite(right, &sides), "right sides are written");
+  std::vector<double> forces(_columns.size()); // that hold the other nodes where they are
   for (int k = 0; k < _num_columns; ++k)
   {
-    double* const column = _columns.data() + std::size_t(k) * owned;
+    const std::span<double> column(_columns.data() + std::size_t(k) * owned, owned);
     if (k >= first && k < first + count)
-      _condensation->add_constrained(own[k - first], {column, owned});
+      conditions.add_constrained(own[k - first], column);
     {
       Entries moved(_moved);
-      std::copy_n(column, owned, &moved[0]);
+      std::ranges::copy(column, &moved[0]);
     }
     check(MatMult(K, _moved, _force), "a matrix is multiplied");
-    const std::vector<double> condensed = _condensation->residual(operators::values_of(_force, owned));
-    for (std::size_t i = 0; i < owned; ++i)
-      sides[std::size_t(k) * owned + i] = _pinned[i] ? 0.0 : -condensed[i];
+    const std::vector<double> found = operators::values_of(_force, owned);
+    std::ranges::transform(found, forces.begin() + std::ptrdiff_t(std::size_t(k) * owned), std::negate{});
   }
-  check(MatDenseRestoreArrayWrite(right, &sides), "right sides are written");
-  check(MatAssemblyBegin(right, MAT_FINAL_ASSEMBLY), "right sides are made");
-  check(MatAssemblyEnd(right, MAT_FINAL_ASSEMBLY), "right sides are made");
-  check(MatDuplicate(right, MAT_DO_NOT_COPY_VALUES, &answer), "solutions are made");
-  check(MatMatSolve(_factors, right, answer), "columns are solved for");
-  const double* solutions = nullptr;
-  check(MatDenseGetArrayRead(answer, &solutions), "solutions are read");
-  for (int k = 0; k < _num_columns; ++k)
-  {
-    {
-      Entries unknowns(_answer);
-      std::copy_n(solutions + std::size_t(k) * owned, owned, &unknowns[0]);
-    }
-    const std::vector<double> moved = _condensation->increment(_answer);
-    for (std::size_t i = 0; i < owned; ++i)
-      _columns[std::size_t(k) * owned + i] += moved[i];
-  }
-  check(MatDenseRestoreArrayRead(answer, &solutions), "solutions are read");
-  check(MatDestroy(&right), "right sides are destroyed");
-  check(MatDestroy(&answer), "solutions are destroyed");
+  _factors.add_solutions(_num_columns, forces, _columns);
 }
 
 ReleasedFactors::~ReleasedFactors()
 {
-  for (Vec v : {_right, _answer, _moved, _force})
-    operators::let_go(PetscObject(v));
+  operators::let_go(PetscObject(_moved));
+  operators::let_go(PetscObject(_force));
 }
 
 /// X^T times owned values. Collective.
@@ -118,7 +94,7 @@ bool ReleasedFactors::select(CondensedSystem& system)
 {
   _system = &system;
   _system_id = 0;
-  const std::size_t owned = _pinned.size();
+  const std::size_t owned = _factors.num_owned();
   std::vector<double> matrix(std::size_t(_num_columns) * _num_columns);
   for (int j = 0; j < _num_columns; ++j)
   {
@@ -149,14 +125,7 @@ void ReleasedFactors::apply(Vec r, Vec z) const
 {
   const std::span<const std::int8_t> now = _system->pinned();
   const std::vector<double> forces = _system->forces(r);
-  {
-    const std::vector<double> condensed = _condensation->residual(forces);
-    Entries right(_right);
-    for (std::size_t i = 0; i < condensed.size(); ++i)
-      right[i] = _pinned[i] ? 0.0 : condensed[i];
-  }
-  check(MatSolve(_factors, _right, _answer), "a linear system is solved");
-  std::vector<double> moved = _condensation->increment(_answer);
+  std::vector<double> moved = _factors.solve(forces);
   std::vector<double> left = forces_of(moved);
   for (std::size_t i = 0; i < left.size(); ++i)
     left[i] = now[i] ? 0.0 : forces[i] - left[i];

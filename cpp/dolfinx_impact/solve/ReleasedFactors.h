@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "CondensedFactors.h"
 #include "LinearSystem.h"
 #include <cstdint>
 #include <memory>
@@ -54,14 +55,12 @@ private:
   std::vector<double> forces_of(std::span<const double> increments) const;
 
   MPI_Comm _comm;
-  Mat _factors;
-  std::shared_ptr<enforcement::Condensation> _condensation;
-  std::vector<std::int8_t> _pinned;
   int _num_columns = 0;
+  CondensedFactors _factors;
   std::vector<double> _columns; ///< X, owned: column k is [k*num_owned, (k + 1)*num_owned) [L]
   std::vector<double> _inverse; ///< of X^T A X, [i*num_columns + j]
   CondensedSystem* _system = nullptr;
-  std::uint64_t _system_id = 0;                                                ///< no system has it
-  Vec _right = nullptr, _answer = nullptr, _moved = nullptr, _force = nullptr; ///< work
+  std::uint64_t _system_id = 0;           ///< no system has it
+  Vec _moved = nullptr, _force = nullptr; ///< work
 };
 } // namespace dolfinx_impact::solve

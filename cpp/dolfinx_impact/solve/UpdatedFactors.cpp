@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "UpdatedFactors.h"
-#include "../operators/petsc_check.h"
 #include "dense.h"
 #include <algorithm>
 #include <array>
 #include <utility>
-
-using dolfinx_impact::operators::check;
-using dolfinx_impact::operators::Entries;
 
 namespace dolfinx_impact::solve
 {
@@ -44,10 +40,9 @@ std::vector<std::pair<std::size_t, double>> entries_of(std::span<const double> v
 UpdatedFactors::UpdatedFactors(MPI_Comm comm, Mat factors, std::shared_ptr<enforcement::Condensation> condensation,
                                std::vector<std::int8_t> pinned, std::vector<std::int8_t> active,
                                std::vector<Column> columns, const Product& product)
-    : _comm(comm), _factors(factors), _condensation(std::move(condensation)), _pinned(std::move(pinned)),
-      _active(std::move(active)), _columns(std::move(columns))
+    : _comm(comm), _factors(factors, std::move(condensation), std::move(pinned)), _active(std::move(active)),
+      _columns(std::move(columns))
 {
-  std::ranges::fill(_condensation->known, 0.0);
   const std::size_t n = _columns.size();
   const bool any_opened = std::ranges::any_of(_columns, &Column::opened);
   _matrix.assign(n * n, 0.0);
@@ -69,13 +64,6 @@ UpdatedFactors::UpdatedFactors(MPI_Comm comm, Mat factors, std::shared_ptr<enfor
           _matrix[i * n + j] += force * _columns[j].increment[at];
   }
   MPI_Allreduce(MPI_IN_PLACE, _matrix.data(), int(_matrix.size()), MPI_DOUBLE, MPI_SUM, _comm);
-  check(MatCreateVecs(_condensation->right(), &_right, &_answer), "vectors are made");
-}
-
-UpdatedFactors::~UpdatedFactors()
-{
-  operators::let_go(PetscObject(_right));
-  operators::let_go(PetscObject(_answer));
 }
 
 void UpdatedFactors::select(CondensedSystem& system, std::span<const std::int64_t> numbers,
@@ -124,14 +112,7 @@ void UpdatedFactors::apply(Vec r, Vec z) const
 {
   // Nodal forces of which the residual is the condensed one, and the displacements by the factors.
   const std::vector<double> forces = _system->forces(r);
-  {
-    const std::vector<double> condensed = _condensation->residual(forces);
-    Entries right(_right);
-    for (std::size_t i = 0; i < condensed.size(); ++i)
-      right[i] = _pinned[i] ? 0.0 : condensed[i];
-  }
-  check(MatSolve(_factors, _right, _answer), "a linear system is solved");
-  std::vector<double> moved = _condensation->increment(_answer);
+  std::vector<double> moved = _factors.solve(forces);
   // What closed nodes are pressed with, and how far opened ones move.
   std::vector<double> sides;
   for (std::size_t k : _chosen)

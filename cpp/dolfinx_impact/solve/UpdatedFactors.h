@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "CondensedFactors.h"
 #include "LinearSystem.h"
 #include <cstdint>
 #include <functional>
@@ -42,9 +43,6 @@ public:
   UpdatedFactors(MPI_Comm comm, Mat factors, std::shared_ptr<enforcement::Condensation> condensation,
                  std::vector<std::int8_t> pinned, std::vector<std::int8_t> active, std::vector<Column> columns,
                  const Product& product);
-  ~UpdatedFactors();
-  UpdatedFactors(const UpdatedFactors&) = delete;
-  UpdatedFactors& operator=(const UpdatedFactors&) = delete;
 
   /// Choose the columns of the present active set. Collective.
   /// @param[in] system of that set; must live as long as `apply` is called
@@ -61,9 +59,8 @@ public:
 
 private:
   MPI_Comm _comm;
-  Mat _factors;
-  std::shared_ptr<enforcement::Condensation> _condensation;
-  std::vector<std::int8_t> _pinned, _active;
+  CondensedFactors _factors;
+  std::vector<std::int8_t> _active;
   std::vector<Column> _columns;
   std::vector<double> _matrix;      ///< conditions of the nodes (rows) by columns: [i*num_columns + j]
   std::vector<std::size_t> _chosen; ///< columns in use
@@ -71,6 +68,5 @@ private:
   CondensedSystem* _system = nullptr;
   std::uint64_t _system_id = 0; ///< no system has it
   std::int64_t _num_missing = 0;
-  Vec _right = nullptr, _answer = nullptr; ///< work
 };
 } // namespace dolfinx_impact::solve
