@@ -32,10 +32,11 @@ std::unique_ptr<SpringBatch> nodes_over_facets(int gdim, int num_masters, double
     b.begins[l] = l % 3 == 0;
     b.oblique[l] = l % 5 == 0;
     b.beside[l] = l % 7 == 0;
-    b.gap[l] = uniform(-0.02, 0.005);
+    b.gap[l] = uniform(-0.02, 0.01);
     b.set_spring(l, l % 3 ? Spring{uniform(0.0, 2.0), 0.01, uniform(-0.02, 0.0), uniform(-1e-3, 1e-3), 0.0} : Spring{});
     b.per_area[l] = uniform(0.5, 2.0);
-    b.compliance[l] = 0.004;
+    b.compliance[l] = num_masters ? 0.007 : 0.004;
+    b.area_compliance[l] = num_masters ? 0.002 : 0.0;
     const double angle = uniform(-0.1, 0.1);
     const double normal[3] = {std::sin(angle), gdim == 2 ? std::cos(angle) : 0.0, gdim == 3 ? std::cos(angle) : 0.0};
     for (int c = 0; c < gdim; ++c)
@@ -48,8 +49,6 @@ std::unique_ptr<SpringBatch> nodes_over_facets(int gdim, int num_masters, double
     for (int j = 0; j < num_masters; ++j)
     {
       b.phi[j][l] = 1.0 / num_masters;
-      b.master_compliance[j][l] = 0.003;
-      b.area_compliance[j][l] = 0.002;
       for (int c = 0; c < gdim; ++c)
       {
         b.X[j][c][l] = uniform(-0.1, 0.1) + (c == 0 ? j % 2 : c == 1 ? j / 2 : 0);
@@ -66,16 +65,15 @@ SpringBatch alone(const SpringBatch& b, int l)
   SpringBatch out = b;
   out.num = 1;
   const auto copy = [l](double* values) { values[0] = values[l]; };
-  for (double* values : {out.gap, out.beside, out.oblique, out.begins, out.per_area, out.compliance, out.force,
-                         out.spring_compliance, out.spring_gap, out.surplus, out.tangential_surplus})
+  for (double* values : {out.gap, out.beside, out.oblique, out.begins, out.per_area, out.compliance,
+                         out.area_compliance, out.force, out.spring_compliance, out.spring_gap, out.surplus, out.tangential_surplus})
     copy(values);
   for (auto* values : {&out.normal, &out.x, &out.motion, &out.tangential})
     for (int c = 0; c < 3; ++c)
       copy((*values)[c]);
   for (int j = 0; j < SpringBatch::most; ++j)
   {
-    for (double* values : {out.phi[j], out.master_compliance[j], out.area_compliance[j]})
-      copy(values);
+    copy(out.phi[j]);
     for (int c = 0; c < 3; ++c)
     {
       copy(out.X[j][c]);

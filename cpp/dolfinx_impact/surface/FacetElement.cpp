@@ -57,15 +57,6 @@ void quadrilateral(int degree, int num_nodes, const double* xi, int dx, int dy, 
 constexpr double bary[2][3] = {{-1, 1, 0}, {-1, 0, 1}};
 } // namespace
 
-int FacetElement::num_nodes() const
-{
-  if (shape == FacetShape::interval)
-    return degree + 1;
-  if (shape == FacetShape::triangle)
-    return degree == 1 ? 3 : 6;
-  return degree == 1 ? 4 : 9;
-}
-
 std::array<double, 2> FacetElement::node(int i) const
 {
   constexpr double position[3] = {0.0, 1.0, 0.5};

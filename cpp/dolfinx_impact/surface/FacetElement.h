@@ -26,7 +26,14 @@ struct FacetElement
   bool operator==(const FacetElement&) const = default;
   /// Dimension of the facet: 1 or 2.
   int tdim() const { return shape == FacetShape::interval ? 1 : 2; }
-  int num_nodes() const;
+  int num_nodes() const
+  {
+    if (shape == FacetShape::interval)
+      return degree + 1;
+    if (shape == FacetShape::triangle)
+      return degree == 1 ? 3 : 6;
+    return degree == 1 ? 4 : 9;
+  }
   int num_corners() const { return shape == FacetShape::interval ? 2 : shape == FacetShape::triangle ? 3 : 4; }
   /// Reference coordinates of node i (the second is 0 on intervals).
   std::array<double, 2> node(int i) const;

@@ -210,34 +210,49 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
   const bool oblique = at.rim != search::Projection::Rim::no ||
                        (!_rigid && _tracker.master().geometry.degree != _tracker.master().displacement.degree);
   const bool turns = b.corrects_moments && (b.friction > 0.0 || oblique);
-  double x[D], increment[D] = {};
+  double x[D], motion[D];
   if (_rigid || turns)
     position(i, state.u.data(), x);
-  if (_rigid)
-    obstacle_increment(x, increment);
   for (int c = 0; c < D; ++c)
+    motion[c] = state.du[std::size_t(point.node) * D + c];
+  // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
+  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * _per_area[i] / most : 0.0;
+  double own = _slave_compliance[i] + body, by_area = 0.0;
+  if (_rigid)
   {
-    b.normal[c][l] = at.normal[c];
-    b.motion[c][l] = state.du[std::size_t(point.node) * D + c] - increment[c];
-    if (turns)
-      b.x[c][l] = x[c];
-    if (b.friction > 0.0)
-      b.tangential[c][l] = _tangential[i * D + c];
+    double increment[D];
+    obstacle_increment(x, increment);
+    for (int c = 0; c < D; ++c)
+      motion[c] -= increment[c];
   }
   const search::MasterNode* masters = _tracker.masters();
   for_nodes(point.num,
             [&](int j)
             {
               const search::MasterNode& master = masters[point.corners[j]];
-              b.phi[j][l] = point.phi[j];
+              const double phi = point.phi[j], weight = std::abs(phi);
               for (int c = 0; c < D; ++c)
+                motion[c] -= phi * master.du[c];
+              own += weight * master.compliance;
+              by_area += weight * master.area_compliance;
+              if (!turns)
+                return;
+              b.phi[j][l] = phi;
+              for (int c = 0; c < D; ++c)
+              {
                 b.du[j][c][l] = master.du[c];
-              if (turns)
-                for (int c = 0; c < D; ++c)
-                  b.X[j][c][l] = master.x[c];
-              b.master_compliance[j][l] = master.compliance;
-              b.area_compliance[j][l] = master.area_compliance;
+                b.X[j][c][l] = master.x[c];
+              }
             });
+  for (int c = 0; c < D; ++c)
+  {
+    b.normal[c][l] = at.normal[c];
+    b.motion[c][l] = motion[c];
+    if (turns)
+      b.x[c][l] = x[c];
+    if (b.friction > 0.0)
+      b.tangential[c][l] = _tangential[i * D + c];
+  }
   const Spring& spring = _springs[i];
   b.set_spring(l, spring);
   b.gap[l] = at.gap + spring.offset;
@@ -245,9 +260,8 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
   b.begins[l] = _closed[i] != 1;
   b.oblique[l] = oblique;
   b.per_area[l] = _per_area[i];
-  // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
-  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * _per_area[i] / most : 0.0;
-  b.compliance[l] = _slave_compliance[i] + body;
+  b.compliance[l] = own;
+  b.area_compliance[l] = by_area;
 }
 
 /// Adds the contact forces of the nodes of the batch, which is empty then.

@@ -395,17 +395,26 @@ void NodeToSurface::open(std::size_t i, const Projection& at, const double* u)
 
 /// What rounding of the positions does to the gap of node i. Surfaces that touch have gaps of both signs within it:
 /// contact that took the negative ones for overlaps would set a body in motion that is at rest.
-inline double NodeToSurface::rounding(std::size_t i, const double* u) const
+template <int D>
+double NodeToSurface::rounding(std::size_t i, const double* u) const
 {
-  const std::size_t k = std::size_t(_candidates.numbers()[i]) * _gdim;
+  const std::size_t k = std::size_t(_candidates.numbers()[i]) * D;
   double size = _obstacle_size;
-  for (int c = 0; c < _gdim; ++c)
-    size += std::abs(_candidates.X()[i * _gdim + c]) + std::abs(u[k + c]);
+  for (int c = 0; c < D; ++c)
+    size += std::abs(_candidates.X()[i * D + c]) + std::abs(u[k + c]);
   return 4.0 * std::numeric_limits<double>::epsilon() * size;
 }
 
 bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
                                  ContactPoint& point)
+{
+  return _gdim == 2 ? find_contact_in<2>(i, u, du, reach, keep_closed, point)
+                    : find_contact_in<3>(i, u, du, reach, keep_closed, point);
+}
+
+template <int D>
+bool NodeToSurface::find_contact_in(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
+                                    ContactPoint& point)
 {
   point.i = i;
   point.node = _candidates.numbers()[i];
@@ -415,7 +424,7 @@ bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* d
   else
     _tracker.locate(i, u, du, at);
   adjust(i, at);
-  if (at.gap < 0.0 && at.gap > -rounding(i, u))
+  if (at.gap < 0.0 && at.gap > -rounding<D>(i, u))
     at.gap = 0.0;
   if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) &&
       passes_through(point, u, du))
@@ -423,9 +432,12 @@ bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* d
     open(i, at, u);
     return false;
   }
-  std::copy_n(at.normal, _gdim, _results.normal.data() + i * _gdim);
+  for (int c = 0; c < D; ++c)
+    _results.normal[i * D + c] = at.normal[c];
   const bool kept = keep_closed && _closed[i] == 1 && std::isfinite(at.gap);
-  if (is_marked(point, u, du) || (!(at.gap < reach) && !kept))
+  // Of nodes in contact only those beside the rim, or without a master, can be marked.
+  const bool stays = _closed[i] == 1 && at.rim == Projection::Rim::no && std::isfinite(at.gap);
+  if ((!stays && is_marked(point, u, du)) || (!(at.gap < reach) && !kept))
   {
     open(i, at, u);
     return false;

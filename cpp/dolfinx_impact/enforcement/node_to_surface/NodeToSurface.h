@@ -182,7 +182,11 @@ private:
   /// A projection whose gap is that of the node, adjusted as it was in the reference configuration.
   search::Projection adjusted(std::size_t i, search::Projection at) const;
   void adjust(std::size_t i, search::Projection& at) const;
+  template <int D>
   double rounding(std::size_t i, const double* u) const;
+  template <int D>
+  bool find_contact_in(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
+                       ContactPoint& point);
   bool is_marked(const ContactPoint& point, const double* u, const double* du);
   /// Projection in the configuration u - back*du.
   search::Projection point_before(std::size_t i, const double* u, const double* du, double back) const;

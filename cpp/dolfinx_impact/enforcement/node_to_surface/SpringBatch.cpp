@@ -23,21 +23,13 @@ IMPACT_INLINED void evaluate_lane(SpringBatch& b, int l)
 {
   constexpr int most = N == any ? SpringBatch::most : N;
   const int num = N == any ? b.num_masters : N;
-  double n[3] = {}, motion[D], phi[most], r = 0.0, way_squared = 0.0;
+  double n[3] = {}, motion[D], r = 0.0, way_squared = 0.0;
 #pragma GCC unroll 4
   for (int c = 0; c < D; ++c)
   {
     n[c] = b.normal[c][l];
     motion[c] = b.motion[c][l];
   }
-  for_nodes(num,
-            [&](int j)
-            {
-              phi[j] = b.phi[j][l];
-#pragma GCC unroll 4
-              for (int c = 0; c < D; ++c)
-                motion[c] -= phi[j] * b.du[j][c][l];
-            });
 #pragma GCC unroll 4
   for (int c = 0; c < D; ++c)
   {
@@ -60,10 +52,11 @@ IMPACT_INLINED void evaluate_lane(SpringBatch& b, int l)
   double arms[most * D];
   if constexpr (turns)
   {
-    double x[D];
+    double x[D], phi[most];
 #pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
       x[c] = b.x[c][l];
+    for_nodes(num, [&](int j) { phi[j] = b.phi[j][l]; });
     correction.set<D>(num, [&](int j, int c) { return b.X[j][c][l]; }, phi, x, arms);
     // A node that sticks to a facet turns with it: that is no slip.
     if constexpr (rubs)
@@ -82,16 +75,8 @@ IMPACT_INLINED void evaluate_lane(SpringBatch& b, int l)
 
   // Reciprocal of the contact stiffness: slave and master in series.
   const double per_area = b.per_area[l];
-  double own = b.compliance[l], masters = 0.0;
-  for_nodes(num,
-            [&](int j)
-            {
-              const double weight = std::abs(phi[j]);
-              own += weight * b.master_compliance[j][l];
-              masters += weight * b.area_compliance[j][l];
-            });
   const double last_compliance = spring.compliance;
-  const double per_k = b.given > 0.0 ? per_area / b.given : (own + masters * per_area) / b.share, k = 1.0 / per_k;
+  const double per_k = b.given > 0.0 ? per_area / b.given : (b.compliance[l] + b.area_compliance[l] * per_area) / b.share, k = 1.0 / per_k;
   b.normal_loss[l] = normal_step(spring, k * overlap, k, per_k, gap, change, begins);
   const double normal_force = spring.force;
   double total[D], squared = 0.0;

@@ -25,16 +25,17 @@ struct SpringBatch
   double beside[size];      ///< 1: outside the rim of the master, where gaps that are positive do not count; 0: not
   double oblique[size];     ///< 1: the normal force may have a moment about the point of the master; 0: it has none
   double begins[size];      ///< 1: the node was open; 0: it was closed
-  double x[3][size];        ///< position; read, as X, where a moment correction is needed [L]
+  double x[3][size];        ///< position; read where a moment correction is needed [L]
   double per_area[size];    ///< reciprocal of its area
-  double compliance[size];  ///< of its own and of a rigid body that gives way [L/F]
-  double phi[most][size];   ///< shape functions of the nodes of its facet
-  double X[most][3][size];  ///< their positions [L]
-  double du[most][3][size]; ///< their increments in the step [L]
-  double master_compliance[most][size], area_compliance[most][size]; ///< as in search::MasterNode
+  double compliance[size];  ///< of its own and of the master there [L/F]
+  double area_compliance[size]; ///< of the master's nodes, times their areas, there [L^3/F, in the plane L^2/F]
+  // Of the nodes of its facet; read where a moment correction is needed.
+  double phi[most][size];   ///< shape functions
+  double X[most][3][size];  ///< positions [L]
+  double du[most][3][size]; ///< increments in the step [L]
 
   // In and out.
-  double motion[3][size];     ///< increment of the node; then relative to the master, also of nodes that are open [L]
+  double motion[3][size];     ///< increment relative to the master; then also to a facet that turns [L]
   double tangential[3][size]; ///< force of friction [F]
   double force[size], spring_compliance[size], spring_gap[size], surplus[size], tangential_surplus[size]; ///< Spring
 

@@ -96,16 +96,9 @@ NodeQuery NodeTracker::query(std::size_t i, Configuration configuration, const d
   return out;
 }
 
-void NodeTracker::locate(std::size_t i, const double* u, const double* du, Projection& out)
+/// Closest point of a node of the batch that may lie over several facets.
+void NodeTracker::locate_among(std::size_t i, const double* u, const double* du, Projection& out)
 {
-  ++_counters.nodes;
-  if (!_batch.contains(i))
-    project_batch(i, u);
-  if (const NodeBatch::Result& found = _batch[i]; found.alone && found.at.facet >= 0)
-  {
-    out = found.at;
-    return;
-  }
   const auto listed = [&]
   {
     switch (_surface.kind())

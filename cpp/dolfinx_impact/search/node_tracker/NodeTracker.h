@@ -63,7 +63,16 @@ public:
   double step() const { return _motion.step(); }
   /// Closest point of node i. Facets count up to the search distance, or up to twice the motion of the step of the node
   /// against the closest point, if that is more.
-  void locate(std::size_t i, const double* u, const double* du, Projection& out);
+  void locate(std::size_t i, const double* u, const double* du, Projection& out)
+  {
+    ++_counters.nodes;
+    if (!_batch.contains(i))
+      project_batch(i, u);
+    if (const NodeBatch::Result& found = _batch[i]; found.alone && found.at.facet >= 0)
+      out = found.at;
+    else
+      locate_among(i, u, du, out);
+  }
   Projection locate(std::size_t i, const double* u, const double* du)
   {
     Projection out;
@@ -110,6 +119,7 @@ private:
   NodeQuery query(std::size_t i, Configuration configuration, const double* slave_normal, const double* du,
                   double slack, const double* shift) const;
   void project_batch(std::size_t first, const double* u);
+  void locate_among(std::size_t i, const double* u, const double* du, Projection& out);
   template <surface::FacetShape S>
   void project_batch(const double* u, std::size_t first);
   template <Kind kind>
