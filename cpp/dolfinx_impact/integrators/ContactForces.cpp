@@ -432,6 +432,7 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   fields.update_ghost_velocities(dt); // so far they are those of the prediction
   const int bs = fields.bs;
   const std::size_t owned = n.halo()->num_owned();
+  Sums all = sums; // not in memory, where each node would wait for the last one's stores
   for (std::size_t k = 0; k < owned; ++k)
     for (int c = 0; c < bs; ++c)
     {
@@ -441,11 +442,12 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
       const double m = n.mass()[k], predicted = n.v[j];
       const double v = predicted + h * n.inverse[j] * n.kinematic[j];
       n.v[j] = v;
-      sums.momentum += m * n.v_before[j] * (v - predicted);
-      sums.speed += m * (v * v - predicted * predicted);
-      sums.after += n.r_before[j] * (v - predicted);
-      sums.load_after += loads.force(std::size_t(n.nodes()[k]) * fields.stride + c) * (v - predicted);
+      all.momentum += m * n.v_before[j] * (v - predicted);
+      all.speed += m * (v * v - predicted * predicted);
+      all.after += n.r_before[j] * (v - predicted);
+      all.load_after += loads.force(std::size_t(n.nodes()[k]) * fields.stride + c) * (v - predicted);
     }
+  sums = all;
   n.finish_correction(fields, dt);
 }
 

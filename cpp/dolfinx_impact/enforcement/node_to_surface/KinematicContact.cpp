@@ -388,10 +388,12 @@ void KinematicContact::sweep(const double* correction, double h, double factor, 
       for (int c = 0; c < D; ++c)
         tangential[c] = f[c] - before * n[c] + more[c] - along * n[c];
       const double size = std::sqrt(dot(tangential, tangential, D)), limit = _coefficients.value[q] * normal;
-      if (!(size <= limit)) // also where a law returns no number: it is seen in the motion, and ends the run
-        for (int c = 0; c < D; ++c)
-          tangential[c] *= limit / size;
-      else if (normal > 0.0)
+      // Without a branch: nodes slip and stick beside each other. Where a law returns no number, `part` is none: it is
+      // seen in the motion, and ends the run.
+      const double part = std::min(limit / std::max(size, std::numeric_limits<double>::min()), 1.0);
+      for (int c = 0; c < D; ++c)
+        tangential[c] *= part;
+      if ((size <= limit) & (normal > 0.0))
         status = ContactStatus::stick;
     }
     _results.status[closed.i] = status;

@@ -194,7 +194,9 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
     _results.traction[i * D + c] = pressure * n[c] + shear[c];
     f[std::size_t(point.node) * D + c] += force[c];
   }
-  add_to_sums(i, state.u.data(), force);
+  for (int c = 0; c < _gdim; ++c)
+    _force[c] += force[c];
+  add_to_moments(i, state.u.data(), force);
   _master_forces.react<D>(point.num, point.corners, point.phi, force);
   LastForce& now = _last[i];
   now.facet = -1;

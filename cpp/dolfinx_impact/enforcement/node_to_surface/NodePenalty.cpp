@@ -322,8 +322,10 @@ void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& 
   {
     f[std::size_t(point.node) * D + c] += force[c];
     _results.traction[i * D + c] = force[c] * per_area;
+    // Not `force`: a register that is filled from parts just stored would wait for them.
+    _force[c] += b.total[c][l];
   }
-  add_to_sums(i, state.u.data(), force);
+  add_to_moments(i, state.u.data(), force);
   const auto correction = [&b, l](int j, int c) { return b.correction[j][c][l]; };
   if (b.corrected[l] > 0.0)
     _master_forces.react<D, W>(point.num, point.corners, point.phi, force, correction);

@@ -137,11 +137,9 @@ protected:
   void obstacle_increment(const double* x, double* increment) const;
   /// Place of node i, (gdim) [L].
   void position(std::size_t i, const double* u, double* x) const;
-  /// Add a force on node i to the sums of forces and of their moments.
-  void add_to_sums(std::size_t i, const double* u, const double* force)
+  /// Add the moment of a force on node i, where somebody reads it.
+  void add_to_moments(std::size_t i, const double* u, const double* force)
   {
-    for (int c = 0; c < _gdim; ++c)
-      _force[c] += force[c];
     if (_rigid && _obstacle_motion.rotates)
       add_moment(i, u, force);
   }

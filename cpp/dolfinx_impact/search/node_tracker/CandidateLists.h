@@ -54,10 +54,11 @@ public:
   {
     List& list = _lists[i];
     list.winner = facet;
-    list.others = list.complete;
+    // Without branches, and not in memory, where each entry would wait for the last one's store.
+    float nearest = std::numeric_limits<float>::infinity();
     for (const Entry& entry : entries(i))
-      if (entry.facet != facet)
-        list.others = std::min(list.others, double(entry.bound));
+      nearest = std::min(nearest, entry.facet == facet ? std::numeric_limits<float>::infinity() : entry.bound);
+    list.others = std::min(list.complete, double(nearest));
   }
   /// Ask the memory for the entries of node i.
   void prefetch(std::size_t i) const
