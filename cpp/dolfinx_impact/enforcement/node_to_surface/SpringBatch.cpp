@@ -76,7 +76,9 @@ IMPACT_INLINED void evaluate_lane(SpringBatch& b, int l)
   // Reciprocal of the contact stiffness: slave and master in series.
   const double per_area = b.per_area[l];
   const double last_compliance = spring.compliance;
-  const double per_k = b.given > 0.0 ? per_area / b.given : (b.compliance[l] + b.area_compliance[l] * per_area) / b.share, k = 1.0 / per_k;
+  const double per_k =
+                   b.given > 0.0 ? per_area / b.given : (b.compliance[l] + b.area_compliance[l] * per_area) / b.share,
+               k = 1.0 / per_k;
   b.normal_loss[l] = normal_step(spring, k * overlap, k, per_k, gap, change, begins);
   const double normal_force = spring.force;
   double total[D], squared = 0.0;

@@ -19,15 +19,15 @@ struct SpringBatch
   bool corrects_moments = false;
 
   // In, by node.
-  int num = 0;              ///< lanes in use
-  double gap[size];         ///< with the offset of its spring [L]
-  double normal[3][size];   ///< out of the master
-  double beside[size];      ///< 1: outside the rim of the master, where gaps that are positive do not count; 0: not
-  double oblique[size];     ///< 1: the normal force may have a moment about the point of the master; 0: it has none
-  double begins[size];      ///< 1: the node was open; 0: it was closed
-  double x[3][size];        ///< position; read where a moment correction is needed [L]
-  double per_area[size];    ///< reciprocal of its area
-  double compliance[size];  ///< of its own and of the master there [L/F]
+  int num = 0;                  ///< lanes in use
+  double gap[size];             ///< with the offset of its spring [L]
+  double normal[3][size];       ///< out of the master
+  double beside[size];          ///< 1: outside the rim of the master, where gaps that are positive do not count; 0: not
+  double oblique[size];         ///< 1: the normal force may have a moment about the point of the master; 0: it has none
+  double begins[size];          ///< 1: the node was open; 0: it was closed
+  double x[3][size];            ///< position; read where a moment correction is needed [L]
+  double per_area[size];        ///< reciprocal of its area
+  double compliance[size];      ///< of its own and of the master there [L/F]
   double area_compliance[size]; ///< of the master's nodes, times their areas, there [L^3/F, in the plane L^2/F]
   // Of the nodes of its facet; read where a moment correction is needed.
   double phi[most][size];   ///< shape functions
