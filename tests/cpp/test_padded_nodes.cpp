@@ -204,3 +204,23 @@ TEST_CASE("a kernel's own sweep gives the same as its calls")
   CHECK((swept > 0) == (kernels::processor_width() >= 4));
 #endif
 }
+
+TEST_CASE("arrays begin with a cache line, large ones with a large page, and keep their values as they grow")
+{
+  const auto begins_at = [](const AlignedVector& values, std::size_t bytes)
+  { return reinterpret_cast<std::uintptr_t>(values.data()) % bytes == 0; };
+  constexpr std::size_t large_page = std::size_t(1) << 21;
+  AlignedVector values;
+  for (const std::size_t size : {std::size_t(1), std::size_t(1000), large_page / 4, large_page})
+  {
+    const std::size_t before = values.size();
+    values.resize(size, double(size));
+    CHECK(begins_at(values, alignment));
+    CHECK(begins_at(values, size * sizeof(double) >= 2 * large_page ? large_page : alignment));
+    CHECK(values.back() == double(size));
+    CHECK((before == 0 || values[before - 1] == double(before)));
+  }
+  values.shrink_to_fit();
+  const AlignedVector copy = values;
+  CHECK(copy == values);
+}

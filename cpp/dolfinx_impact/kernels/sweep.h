@@ -301,6 +301,8 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
   typedef typename Lanes<W>::type T;
   constexpr int N = of.num_nodes, P = of.num_positions, size = of.test_components * N;
   constexpr int bytes_of_a_line = 64;
+  // The first cache has no room for it beside the kernel's arrays; nor is it marked as written where no point yields.
+  constexpr int second_cache = 1;
   const impact_cells s = cells;
   T x[2][3 * P], w[2][of.num_values()], A[at.size_A];
   double constants[of.num_constants + 1]{}; // as in `sweep`
@@ -333,7 +335,7 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
       read(nodes + W * N, 1 - buffer);
       for (int k = 0; k < at.count; ++k)
         for (unsigned long long byte = 0; byte < at.sizes[k] * sizeof(T); byte += bytes_of_a_line)
-          __builtin_prefetch(reinterpret_cast<const char*>(history[k] + at.sizes[k]) + byte, 1);
+          __builtin_prefetch(reinterpret_cast<const char*>(history[k] + at.sizes[k]) + byte, 0, second_cache);
     }
 #pragma GCC unroll 48
     for (int i = 0; i < size; ++i)

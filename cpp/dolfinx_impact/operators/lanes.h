@@ -2,7 +2,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <vector>
 
 /// Memory of kernels, whose vectors of several lanes are aligned to cache lines.
@@ -18,7 +17,17 @@ inline double* aligned(double* p)
   return beyond == 0 ? p : p + (alignment - beyond) / sizeof(double);
 }
 
-/// Memory that begins with a cache line.
+/// Memory that begins with a cache line. From 4 MB on it begins with a large page, which the system is asked for
+/// (Linux's transparent huge pages): of the internal variables of plasticity, a batch of cells is about a page of 4 KB,
+/// so that nearly every batch would wait for the address of its page.
+/// @param[in] bytes
+void* allocate_lines(std::size_t bytes);
+/// Gives such memory back.
+/// @param[in] p as allocated
+/// @param[in] bytes as allocated
+void free_lines(void* p, std::size_t bytes);
+
+/// Memory of `allocate_lines`.
 template <typename T>
 struct AlignedAllocator
 {
@@ -28,8 +37,8 @@ struct AlignedAllocator
   AlignedAllocator(const AlignedAllocator<U>&)
   {
   }
-  T* allocate(std::size_t n) { return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t{alignment})); }
-  void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t{alignment}); }
+  T* allocate(std::size_t n) { return static_cast<T*>(allocate_lines(n * sizeof(T))); }
+  void deallocate(T* p, std::size_t n) { free_lines(p, n * sizeof(T)); }
   bool operator==(const AlignedAllocator&) const = default;
 };
 using AlignedVector = std::vector<double, AlignedAllocator<double>>;
