@@ -205,6 +205,8 @@ void dolfinx_impact::bindings::operators(nb::module_& m)
           "unknowns of the first")
       .def("fault", &InternalForce::fault, "Which local equations were not solved in the last evaluation. Collective")
       .def("width", &InternalForce::width, nb::arg("integral") = 0)
+      .def("swept", &InternalForce::swept, nb::arg("integral"),
+           "Did the last evaluation of an integral gather, compute and scatter in one function?")
       .def(
           "repeat",
           [](const InternalForce& self, Vector b, int times)

@@ -30,8 +30,8 @@ __attribute__((always_inline)) inline void {symbol}(T* __restrict A, const T* __
 """
 
 INSTANCE = """
-#if IMPACT_LANES == {width}
-extern "C" void {symbol}_{width}(float* A, const float* w, const double* c, const float* x)
+#if {condition}
+extern "C" void {symbol}_{variant}(float* A, const float* w, const double* c, const float* x)
 {{
   typedef dolfinx_impact::kernels::floats::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::floats::{symbol}<T>(reinterpret_cast<T*>(A), reinterpret_cast<const T*>(w), c,
@@ -41,8 +41,8 @@ extern "C" void {symbol}_{width}(float* A, const float* w, const double* c, cons
 """
 
 SWEEP = """
-#if defined(IMPACT_HAS_FLOAT_SWEEPS) && IMPACT_LANES == {width}
-extern "C" void {symbol}_sweep_{width}(const impact_float_cells* cells)
+#if defined(IMPACT_HAS_FLOAT_SWEEPS) && {condition}
+extern "C" void {symbol}_sweep_{variant}(const impact_float_cells* cells)
 {{
   typedef dolfinx_impact::kernels::floats::Lanes<{lanes}>::type T;
   dolfinx_impact::kernels::floats::swept::sweep<{lanes}, dolfinx_impact::kernels::floats::{symbol}<T>, {nodes},
@@ -65,7 +65,13 @@ const impact_float_kernel {kernel}_float = {{&{kernel}, {{{functions}}}, {{}}}};
 #endif
 """
 
-LANES = {1: 4, 4: 8, 8: 16}  # by the width of the kernels in double, as kernels/FloatKernel.h has it
+# Where a variant is compiled, and its lanes: in the order of kernels/FloatKernel.h, named by the width in double.
+VARIANTS = {
+    "1": ("IMPACT_LANES == 1", 4),
+    "4": ("IMPACT_LANES == 4", 8),
+    "8": ("IMPACT_LANES == 8 && !defined(IMPACT_HALF_VECTORS)", 16),
+    "8_half": ("IMPACT_LANES == 8 && defined(IMPACT_HALF_VECTORS)", 8),
+}
 
 
 class FloatFormatter(CxxFormatter):
@@ -110,21 +116,26 @@ def source(integral, kernel):
     body = "".join(f"  {line}\n" if line else "\n" for line in lines)
     title = f"{integral.name}: {integral.coordinate_element.cell_type.name}"
     out = [HEADER, TEMPLATE.format(title=title, symbol=symbol, body=body)]
-    out += [INSTANCE.format(width=width, symbol=symbol, lanes=lanes) for width, lanes in LANES.items()]
+    variants = [
+        {"variant": variant, "condition": condition, "symbol": symbol, "lanes": lanes}
+        for variant, (condition, lanes) in VARIANTS.items()
+    ]
+    out += [INSTANCE.format(**how) for how in variants]
     nodes = integral.shape[0] // integral.argument_elements[0].block_size
     geometry = integral.coordinate_element.dim // integral.coordinate_element.block_size
-    swept = {width: lanes for width, lanes in LANES.items() if width > 1}
-    for width, lanes in swept.items():
-        size = {"nodes": nodes, "positions": geometry, "constants": sum(c.size for c in integral.constants)}
-        out.append(SWEEP.format(width=width, symbol=symbol, lanes=lanes, **size))
+    size = {"nodes": nodes, "positions": geometry, "constants": sum(c.size for c in integral.constants)}
+    out += [SWEEP.format(**how, **size) for how in variants[1:]]  # one cell at a time has none
+    functions = ", ".join(f"&{symbol}_{variant}" for variant in VARIANTS)
+    sweeps = ", ".join(f"&{symbol}_sweep_{variant}" for variant in VARIANTS if variant != "1")
     declared = "\n".join(
-        f'extern "C" void {symbol}_{width}(float*, const float*, const double*, const float*);' for width in LANES
+        f'extern "C" void {symbol}_{variant}(float*, const float*, const double*, const float*);'
+        for variant in VARIANTS
     )
-    functions = ", ".join(f"&{symbol}_{width}" for width in LANES)
     declared_sweeps = "\n".join(
-        f'extern "C" void {symbol}_sweep_{width}(const impact_float_cells*);' for width in swept
+        f'extern "C" void {symbol}_sweep_{variant}(const impact_float_cells*);'
+        for variant in VARIANTS
+        if variant != "1"
     )
-    sweeps = ", ".join(f"&{symbol}_sweep_{width}" for width in swept)
     given = {"declared": declared, "kernel": kernel, "functions": functions}
     out.append(DESCRIPTOR.format(declared_sweeps=declared_sweeps, sweeps=sweeps, **given))
     return "".join(out)

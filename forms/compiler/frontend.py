@@ -458,8 +458,10 @@ def form_integrals(form, name, names, hypothesis="", law=None):
                 used |= own_averages.read()
             coefficients = [c for c in all_coefficients if c in used]
             positions = [all_coefficients.index(c) for c in coefficients]
-        else:
-            coefficients, positions = data.reduced_coefficients, data.original_coefficient_positions
+        else:  # those that the integral reads: another material may have coefficients of its own
+            read = list(itg.enabled_coefficients)
+            coefficients = [c for c, used in zip(data.reduced_coefficients, read) if used]
+            positions = [p for p, used in zip(data.original_coefficient_positions, read) if used]
         elements = [c.ufl_function_space().ufl_element() for c in coefficients]
         sides = 2 if itg.integral_type == "interior_facet" else 1
         offsets = _offsets(coefficients, lambda c: sides * int(c.ufl_function_space().ufl_element().dim))

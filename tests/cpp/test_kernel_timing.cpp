@@ -3,6 +3,7 @@
 #include <catch2/catch_test_macros.hpp>
 #include <catch2/matchers/catch_matchers_string.hpp>
 #include <cstdlib>
+#include <dolfinx_impact/kernels/FloatKernel.h>
 #include <dolfinx_impact/kernels/KernelTable.h>
 #include <dolfinx_impact/kernels/timing.h>
 
@@ -20,6 +21,18 @@ void slow(double* A, const double* w, const double* c, const double* x, int)
 {
   for (int i = 0; i < 1000; ++i)
     quick(A, w + i % 2, c, x, 0);
+}
+
+void quick_in_float(float* A, const float* w, const double*, const float* x)
+{
+  A[0] += w[0] * x[3];
+}
+
+/// Some hundred times as long.
+void slow_in_float(float* A, const float* w, const double* c, const float* x)
+{
+  for (int i = 0; i < 1000; ++i)
+    quick_in_float(A, w + i % 2, c, x);
 }
 
 /// An energy of a triangle.
@@ -80,4 +93,21 @@ TEST_CASE("seconds per cell tell a slow kernel from a quick one")
   k.tabulate[0] = slow;
   CHECK(fast > 0.0);
   CHECK(kernels::seconds_per_cell(k, {1}).at(0) > 10.0 * fast);
+}
+
+TEST_CASE("float_functions: whole vectors of 512 bits where they are faster, else halves")
+{
+  static const impact_kernel in_double = kernel("cell");
+  const auto in_float = [](impact_float_tabulate whole, impact_float_tabulate half)
+  { return impact_float_kernel{&in_double, {quick_in_float, quick_in_float, whole, half}, {}}; };
+  const auto also_quick = [](float* A, const float* w, const double* c, const float* x) { quick_in_float(A, w, c, x); };
+  CHECK(kernels::float_functions(in_float(quick_in_float, quick_in_float), 1).lanes == 4);
+  CHECK(kernels::float_functions(in_float(quick_in_float, quick_in_float), 4).lanes == 8);
+  // A call takes the same time for 16 cells as for 8.
+  CHECK(kernels::float_functions(in_float(quick_in_float, also_quick), 8).lanes == 16);
+  const kernels::FloatFunctions found = kernels::float_functions(in_float(slow_in_float, quick_in_float), 8);
+  if (kernels::environment_width() == 0)
+    CHECK((found.lanes == 8 && found.tabulate == quick_in_float));
+  else
+    CHECK((found.lanes == 16 && found.tabulate == slow_in_float));
 }

@@ -30,27 +30,36 @@ extern "C"
   /// scatter_balanced (operators/gather_float.h), in less time.
   typedef void (*impact_float_sweep)(const impact_float_cells* cells);
 
+  enum
+  {
+    IMPACT_FLOAT_VARIANTS = 4
+  };
+
   typedef struct
   {
-    const impact_kernel* kernel;                          ///< the same in double
-    impact_float_tabulate tabulate[IMPACT_KERNEL_WIDTHS]; ///< takes 4, 8, 16 cells where `kernel` takes 1, 4, 8
-    impact_float_sweep sweep[IMPACT_KERNEL_WIDTHS];       ///< likewise; null: none
+    const impact_kernel* kernel; ///< the same in double
+    /// Take 4, 8, 16 cells where `kernel` takes 1, 4, 8; the last one 8, with vectors of half the size that such a
+    /// processor has.
+    impact_float_tabulate tabulate[IMPACT_FLOAT_VARIANTS];
+    impact_float_sweep sweep[IMPACT_FLOAT_VARIANTS]; ///< likewise; null: none
   } impact_float_kernel;
 }
 
 namespace dolfinx_impact::kernels
 {
-/// Cells that a kernel in float takes at once.
-/// @param[in] width cells that the kernel in double takes: 1, 4 or 8
-inline constexpr int float_lanes(int width)
+/// Functions of a kernel in float for one number of cells at once.
+struct FloatFunctions
 {
-  return width == 8 ? 16 : width == 4 ? 8 : 4;
-}
+  int lanes = 0; ///< cells at once
+  impact_float_tabulate tabulate = nullptr;
+  impact_float_sweep sweep = nullptr; ///< null: none
+};
 
 /// The kernel in float of a kernel that was compiled with the package; null if there is none.
 const impact_float_kernel* find_float(const impact_kernel& kernel);
-/// For a width of the kernel in double, 1, 4 or 8.
-impact_float_tabulate tabulate(const impact_float_kernel& kernel, int width);
-/// Null where the kernel has none.
-impact_float_sweep sweep(const impact_float_kernel& kernel, int width);
+/// The functions to take on this machine. Processors that compute vectors of 512 bits in two halves are not faster with
+/// them, and with more cells at once wait longer for their nodes: they take vectors of 256 bits. That is measured once
+/// for each kernel in a process, unless IMPACT_SIMD_WIDTH is given: then the widest are taken.
+/// @param[in] width cells that the kernel in double takes: 1, 4 or 8
+FloatFunctions float_functions(const impact_float_kernel& kernel, int width);
 } // namespace dolfinx_impact::kernels

@@ -44,22 +44,6 @@ int slot(int width)
   return width == 8 ? 2 : width == 4 ? 1 : 0;
 }
 
-/// Width that the environment asks for; 0: none.
-int environment_width()
-{
-  static const int value = []
-  {
-    const char* text = std::getenv("IMPACT_SIMD_WIDTH");
-    if (!text || !*text)
-      return 0;
-    const std::string w = text;
-    if (w != "1" && w != "4" && w != "8")
-      throw std::runtime_error("IMPACT_SIMD_WIDTH is '" + w + "': use 1, 4 or 8 cells per vector");
-    return std::stoi(w);
-  }();
-  return value;
-}
-
 /// A kernel of the library `path`, opened as `handle`.
 const impact_kernel* loaded_kernel(void* handle, const std::string& path, const std::string& symbol)
 {
@@ -147,6 +131,21 @@ std::vector<const impact_kernel*> load(const std::string& path, const std::vecto
   for (const std::string& symbol : symbols)
     found.push_back(loaded_kernel(handle, path, symbol));
   return found;
+}
+
+int environment_width()
+{
+  static const int value = []
+  {
+    const char* text = std::getenv("IMPACT_SIMD_WIDTH");
+    if (!text || !*text)
+      return 0;
+    const std::string w = text;
+    if (w != "1" && w != "4" && w != "8")
+      throw std::runtime_error("IMPACT_SIMD_WIDTH is '" + w + "': use 1, 4 or 8 cells per vector");
+    return std::stoi(w);
+  }();
+  return value;
 }
 
 int processor_width()

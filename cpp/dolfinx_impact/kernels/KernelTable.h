@@ -48,6 +48,10 @@ std::vector<const impact_kernel*> load(const std::string& path, const std::vecto
 ///   is the limit, which makes runs the same to the last digit; without it the width is measured
 int width(const impact_kernel& kernel, int limit = 0);
 
+/// Width that IMPACT_SIMD_WIDTH asks for; 0: it is not given.
+/// @throws std::runtime_error if it is given, but is no width
+int environment_width();
+
 /// Widest vector of doubles of this processor that kernels are compiled for: 1, 4 or 8.
 int processor_width();
 

@@ -22,8 +22,10 @@ struct AveragedModuli
 struct AveragedCells
 {
   unsigned long long num_batches = 0;
-  int used = 0;               ///< lanes of the last batch that count; others repeat a cell
-  const int* nodes = nullptr; ///< node i of a lane of the first batch stands at [lanes * i + lane]; batches follow
+  int used = 0; ///< lanes of the last batch that count; others repeat a cell
+  /// Four times the number of a node, its first entry in the arrays: that of node i of a lane of the first batch stands
+  /// at [lanes * i + lane]; batches follow.
+  const unsigned* entries = nullptr;
   const double* positions = nullptr;
   const double* displacement = nullptr;
   double* means = nullptr;  ///< entries_of_means for each node

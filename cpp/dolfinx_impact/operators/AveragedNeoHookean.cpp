@@ -42,16 +42,30 @@ bool AveragedNeoHookean::can_run(std::span<const Batches> batches)
       std::ranges::all_of(_integrals, [&](std::size_t i) { return batches[i].num_cells() == 0 || fits(batches[i]); });
   MPI_Allreduce(MPI_IN_PLACE, &mine, 1, MPI_INT, MPI_MIN, _log_mean->function_space()->mesh()->comm());
   _can_run = mine != 0;
+  if (*_can_run && _entries.empty())
+    set_entries(batches);
   return *_can_run;
 }
 
-kernels::AveragedCells AveragedNeoHookean::cells(const Batches& batches, double* b)
+/// First entries of the nodes of all integrals.
+void AveragedNeoHookean::set_entries(std::span<const Batches> batches)
 {
-  const Batches::Nodes nodes = batches.nodes_of_test();
+  _entries.clear();
+  for (const std::size_t i : _integrals)
+  {
+    std::vector<unsigned>& entries = _entries.emplace_back();
+    for (const std::int32_t node : batches[i].nodes_of_test().numbers)
+      entries.push_back(4 * unsigned(node));
+  }
+}
+
+kernels::AveragedCells AveragedNeoHookean::cells(const Batches& batches, const std::vector<unsigned>& entries,
+                                                 double* b)
+{
   const std::size_t width = std::size_t(batches.width()), num_batches = (batches.num_cells() + width - 1) / width;
   return {.num_batches = num_batches,
           .used = int(batches.num_cells() - (num_batches - 1) * width),
-          .nodes = nodes.numbers.data(),
+          .entries = entries.data(),
           .positions = batches.padded_positions(),
           .displacement = batches.padded_values(_displacement),
           .means = _means.data(),
@@ -65,9 +79,9 @@ void AveragedNeoHookean::add_forces(std::span<const Batches> batches, std::span<
   _means.assign(entries * num_nodes, 0.0);
   const auto each = [&](auto&& work)
   {
-    for (const std::size_t i : _integrals)
-      if (batches[i].num_cells() > 0)
-        work(kernels::averaged_neo_hookean(batches[i].width()), cells(batches[i], b.data()));
+    for (std::size_t k = 0; k < _integrals.size(); ++k)
+      if (const Batches& one = batches[_integrals[k]]; one.num_cells() > 0)
+        work(kernels::averaged_neo_hookean(one.width()), cells(one, _entries[k], b.data()));
   };
   each([](const auto& kernel, const auto& cells) { kernel.add_means(cells); });
   _halo.reverse(_means, entries);

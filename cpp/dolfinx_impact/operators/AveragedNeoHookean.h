@@ -50,7 +50,8 @@ public:
 
 private:
   bool fits(const Batches& batches) const;
-  kernels::AveragedCells cells(const Batches& batches, double* b);
+  void set_entries(std::span<const Batches> batches);
+  kernels::AveragedCells cells(const Batches& batches, const std::vector<unsigned>& entries, double* b);
 
   std::vector<std::size_t> _integrals;
   std::shared_ptr<const Function> _log_mean;
@@ -59,6 +60,7 @@ private:
   kernels::AveragedModuli _moduli;
   Halo _halo;
   std::optional<bool> _can_run;
-  AlignedVector _means; ///< kernels::entries_of_means for each node
+  std::vector<std::vector<unsigned>> _entries; ///< of each integral: kernels::AveragedCells::entries
+  AlignedVector _means;                        ///< kernels::entries_of_means for each node
 };
 } // namespace dolfinx_impact::operators

@@ -480,6 +480,7 @@ bool Batches::run_kernel_sweep(std::size_t num_batches, double* b) const
       return false;
   }
   _kernel_sweep(&cells);
+  _swept = true;
   return true;
 }
 
@@ -544,6 +545,7 @@ double Batches::run(double* b, int stride) const
   double sum = 0.0;
   std::fill_n(A, size_A, 0.0); // and again by what reads it
   _failures.count = 0;
+  _swept = false;
   std::ranges::fill(_sums, 0.0);
   for (std::size_t batch = run_whole_batches(b, stride, A, w, x); batch < _used.size(); ++batch)
   {

@@ -105,6 +105,8 @@ public:
   const std::shared_ptr<PointHistory>& history() const { return _history; }
   /// Does a run store outputs in the history? Not where it is another operator's.
   bool stores() const { return _stores; }
+  /// Did the last run gather, compute and scatter in one function, the kernel's sweep?
+  bool swept() const { return _swept; }
   /// Of the last run.
   const PointFailures& failures() const { return _failures; }
   /// Sum of a name over the cells of the last run; 0 if the kernel has none.
@@ -173,6 +175,7 @@ private:
   bool _stores = false;                 ///< are outputs written to the history?
   mutable std::vector<double> _sums;    ///< in the kernel's order
   mutable PointFailures _failures;
+  mutable bool _swept = false;
   mutable std::vector<double> _buffer; // A, w and x of one batch, aligned by hand
 };
 } // namespace dolfinx_impact::operators

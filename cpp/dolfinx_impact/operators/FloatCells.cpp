@@ -26,9 +26,8 @@ std::vector<std::int32_t> in_batches(const FloatCells::Nodes& nodes, std::size_t
 
 FloatCells::FloatCells(const impact_float_kernel& kernel, std::size_t num_cells, const Nodes& nodes,
                        const Nodes& mesh_nodes, double cell_size)
-    : _lanes(kernels::float_lanes(nodes.width)), _num_nodes(nodes.per_cell), _num_mesh_nodes(mesh_nodes.per_cell),
-      _num_cells(num_cells), _tabulate(kernels::tabulate(kernel, nodes.width)),
-      _sweep(kernels::sweep(kernel, nodes.width)),
+    : _functions(kernels::float_functions(kernel, nodes.width)), _lanes(_functions.lanes), _num_nodes(nodes.per_cell),
+      _num_mesh_nodes(mesh_nodes.per_cell), _num_cells(num_cells),
       // Forces of lengths that are divided by h are smaller by its square.
       _scale(cell_size > 0.0 ? std::exp2(-std::round(std::log2(cell_size))) : 1.0),
       _force_scale(1.0 / (_scale * _scale)), _nodes(in_batches(nodes, num_cells, _lanes)),
@@ -62,11 +61,11 @@ void FloatCells::run(const CellPlaces& places, const NodeValues& u, const double
 {
   place(places);
   std::size_t done = 0;
-  if (_sweep && u.stride == 4 && stride == 4 && _num_cells >= std::size_t(_lanes))
+  if (_functions.sweep && u.stride == 4 && stride == 4 && _num_cells >= std::size_t(_lanes))
   {
     done = _num_cells / _lanes;
     const impact_float_cells cells{done, _nodes.data(), constants, _places.data(), u.values, b, _scale, _force_scale};
-    _sweep(&cells);
+    _functions.sweep(&cells);
   }
   for (; done * _lanes < _num_cells; ++done)
   {
@@ -75,7 +74,7 @@ void FloatCells::run(const CellPlaces& places, const NodeValues& u, const double
     std::fill_n(_x.begin(), first, 0.0f);
     std::copy_n(_places.begin() + std::ptrdiff_t(done * size), size, _x.begin() + std::ptrdiff_t(first));
     gather_differences(_lanes, u.values, u.stride, nodes, _num_nodes, _scale, _w.data());
-    _tabulate(_A.data(), _w.data(), constants, _x.data());
+    _functions.tabulate(_A.data(), _w.data(), constants, _x.data());
     const int used = int(std::min(std::size_t(_lanes), _num_cells - done * _lanes));
     scatter_balanced(_lanes, _A.data(), nodes, _num_nodes, used, _force_scale, b, stride);
   }

@@ -59,10 +59,9 @@ private:
 
   void place(const CellPlaces& places) const;
 
+  kernels::FloatFunctions _functions;
   int _lanes, _num_nodes, _num_mesh_nodes;
   std::size_t _num_cells;
-  impact_float_tabulate _tabulate;
-  impact_float_sweep _sweep;
   double _scale, _force_scale;
   std::vector<std::int32_t> _nodes, _mesh_nodes; // as Nodes::numbers, in batches of _lanes
   mutable Buffer _A, _w, _x;

@@ -109,6 +109,8 @@ public:
   std::span<const Batches> batches() const { return _batches; }
   /// Cells per kernel call of integral i.
   int width(std::size_t i = 0) const { return _batches.at(i).width(); }
+  /// Did the last evaluation of integral i gather, compute and scatter in one function (kernels/sweep.h)?
+  bool swept(std::size_t i) const { return _batches.at(i).swept(); }
   std::size_t num_integrals() const { return _batches.size(); }
 
   /// Floating-point operations of one application on this rank.

@@ -128,6 +128,11 @@ class InternalForce_float64:
         """
 
     def width(self, integral: int = 0) -> int: ...
+    def swept(self, integral: int) -> bool:
+        """
+        Did the last evaluation of an integral gather, compute and scatter in one function?
+        """
+
     def repeat(self, b: NDArray[numpy.float64], times: int) -> None:
         """Assemble several times in a row (for timing)"""
 

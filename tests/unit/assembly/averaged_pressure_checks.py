@@ -14,6 +14,7 @@ from shared_folder import shared_folder
 import dolfinx_impact as di
 from dolfinx_impact import compat
 from dolfinx_impact.assembly import operators
+from dolfinx_impact.assembly.body_forms import body_forms
 from dolfinx_impact.assembly.locking import Locking
 
 COMM = MPI.COMM_WORLD
@@ -35,14 +36,17 @@ def bent(V, size=0.05):
     return u
 
 
+def layers(V, materials):
+    """A MaterialMap of layers of cells, in the order of x."""
+    num = V.mesh.topology.index_map(3).size_local + V.mesh.topology.index_map(3).num_ghosts
+    cells = np.arange(num, dtype=np.int32)
+    numbers = (len(materials) * mesh.compute_midpoints(V.mesh, 3, cells)[:, 0]).astype(np.int32)
+    return di.MaterialMap(mesh.meshtags(V.mesh, 3, cells, numbers), dict(enumerate(materials)))
+
+
 def two_materials(V, law, integration=PRESSURE):
     """Soft and stiff halves, whose pressures and strains must not be mixed at the nodes between them."""
-    domain = V.mesh
-    num = domain.topology.index_map(3).size_local + domain.topology.index_map(3).num_ghosts
-    cells = np.arange(num, dtype=np.int32)
-    middle = mesh.compute_midpoints(domain, 3, cells)
-    tags = mesh.meshtags(domain, 3, cells, np.where(middle[:, 0] < 0.5, 1, 2).astype(np.int32))
-    return di.MaterialMap(tags, {t: law(E, 0.45, 1.0, integration=integration) for t, E in ((1, 1.0), (2, 50.0))})
+    return layers(V, [law(E, 0.45, 1.0, integration=integration) for E in (1.0, 50.0)])
 
 
 def owned_product(a, b, V):
@@ -110,6 +114,31 @@ def check_explicit_force_is_that_of_the_operator():
         assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
 
 
+def check_several_materials_are_swept():
+    """Kernels list the means of their own material only: each integral gathers, computes and scatters in one function,
+    with the forces of the operator, which does it batch by batch. A limit of round-off, as above."""
+    V = cube(n=6)
+    linear, rubber = ([law(E, 0.4, 1.0, integration=PRESSURE) for E in (1.0, 5.0, 2.0)] for law in LAWS)
+    plastic = {"yield_stress": 1e-3, "hardening": 0.1, "finite_strain": True, "integration": PRESSURE}
+    metals = [di.J2Plasticity(E, 0.4, 1.0, **plastic) for E in (1.0, 5.0)]
+    n, num_owned = 3 * V.dofmap.index_map.size_local, V.mesh.topology.index_map(3).size_local
+    for materials in (linear[:2], linear, rubber[:2], rubber, [*linear[:1], *rubber], metals):
+        u, whole = bent(V), layers(V, materials)
+        problem = di.ExplicitProblem(u, whole)
+        operator = problem._bodies.internal._parts[1]
+        assert operator._tags == list(range(len(materials)))
+        for number, tag in enumerate(operator._tags):
+            several = np.sum(whole.cell_tags.find(tag) < num_owned) >= operator.width
+            assert operator._cpp_object.swept(number) == (several and operator.width > 1)
+        forms = body_forms(u, whole)
+        alone = operators.InternalForce(forms.internal, law=forms.laws)
+        force = alone.apply().array
+        assert not any(alone._cpp_object.swept(number) for number in range(len(materials)))
+        found = problem.acceleration.x.array[:n] * problem.mass.array[:n]
+        largest = COMM.allreduce(np.abs(force[:n]).max(), MPI.MAX)
+        assert np.abs(found + force[:n]).max() < 1e-13 * largest and largest > 1e-3
+
+
 def check_residuals_of_ones_own():
     """Multiples of forces of averages are what was written; without a tangent the stable step would be too long."""
     V = cube()
@@ -168,18 +197,10 @@ def check_linear_means_are_those_of_kernels():
 def check_laws_side_by_side():
     """Each material has its own means and its own way of adding forces; two tags share one."""
     V = cube(n=4)
-    num = V.mesh.topology.index_map(3).size_local + V.mesh.topology.index_map(3).num_ghosts
-    cells = np.arange(num, dtype=np.int32)
-    layers = (4 * mesh.compute_midpoints(V.mesh, 3, cells)[:, 0]).astype(np.int32)
-    tags = mesh.meshtags(V.mesh, 3, cells, layers)
     shared = di.NeoHookean(1.0, 0.3, 1.0, integration=STRAIN)
-    materials = {
-        0: shared,
-        1: di.LinearElastic(2.0, 0.4, 1.0, integration=STRAIN),
-        2: shared,
-        3: di.NeoHookean(3.0, 0.2, 1.0, integration=PRESSURE),
-    }
-    u, material = bent(V), di.MaterialMap(tags, materials)
+    linear = di.LinearElastic(2.0, 0.4, 1.0, integration=STRAIN)
+    other = di.NeoHookean(3.0, 0.2, 1.0, integration=PRESSURE)
+    u, material = bent(V), layers(V, [shared, linear, shared, other])
     problem = di.ExplicitProblem(u, material)
     form = operators.internal_force_form(u, ufl.TestFunction(V), material)
     force = operators.InternalForce(form).apply().array

@@ -168,3 +168,16 @@ def test_placing_a_kernel_takes_a_number_for_each_object():
     for wrong in (([1], [], [0, 1]), ([1], [0], [0])):
         with pytest.raises(ValueError, match="give each its number"):
             kernel.placed(*wrong)
+
+
+def test_own_forms_list_what_an_integral_reads():
+    """Of tagged cells, a kernel that is compiled at run time has the coefficients of its own cells."""
+    body = Body()
+    dx = operators.cells_measure(body.u, body.materials)[0]
+    form = sum(ufl.inner(f + ufl.sin(f[0]) * f, body.v) * dx(tag) for f, tag in ((body.u, 1), (body.other, 2)))
+    compiled = jit.compile_form(form)
+    assert compiled.source != "package"
+    names = [[c["name"] for c in kernel.coefficients] for kernel in compiled.kernels]
+    assert names == [["u"], ["other"]]
+    force = di.InternalForce(form).apply().array
+    np.testing.assert_allclose(force, by_ffcx(form), atol=1e-14)  # as above
