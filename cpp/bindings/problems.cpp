@@ -491,6 +491,7 @@ void bind_explicit(nb::module_& m)
       .def("unsolved", &ExplicitProblem::unsolved, "Which local equations were not solved; empty: all were. Collective")
       .def("stable_step", &ExplicitProblem::stable_step_of_function, nb::arg("method"),
            "Of the displacement that the function has. Collective")
+      .def("begin_anew", &ExplicitProblem::begin_anew, "Take the present displacement for another start. Collective")
       .def(
           "start",
           [](ExplicitProblem& self, nb::object observer)

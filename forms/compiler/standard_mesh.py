@@ -30,6 +30,22 @@ def standard_element(element):
     return basix.ufl.element("Lagrange", own.cell_type.name, own.degree, shape=element.reference_value_shape)
 
 
+class MeshWithCell(ufl.Mesh):
+    """A mesh that keeps its cell: elements of Basix make it anew, with all its faces, for each of UFL's questions.
+
+    Args:
+        element: coordinate element.
+        ufl_id: number of the mesh in UFL.
+    """
+
+    def __init__(self, element, ufl_id):
+        super().__init__(element, ufl_id=ufl_id)
+        self._cell = element.cell
+
+    def ufl_cell(self):
+        return self._cell
+
+
 class StandardMesh(MultiFunction):
     """Replaces meshes in expressions and forms by standard ones, and functions by ones on them.
 
@@ -46,13 +62,18 @@ class StandardMesh(MultiFunction):
             element = getattr(domain, "ufl_coordinate_element", lambda: None)()
             new = element if element is None else standard_element(element)
             if new is not element:
-                self.domains[domain] = ufl.Mesh(new, ufl_id=domain.ufl_id())
-        self.functions = {}
+                self.domains[domain] = MeshWithCell(new, domain.ufl_id())
+        self.functions, self.spaces = {}, {}
 
     def space(self, V):
         """The space on a standard mesh."""
         domain = self.domains.get(V.ufl_domain())
-        return V if domain is None else ufl.FunctionSpace(domain, V.ufl_element())
+        if domain is None:
+            return V
+        key = domain, V.ufl_element()
+        if key not in self.spaces:
+            self.spaces[key] = ufl.FunctionSpace(*key)
+        return self.spaces[key]
 
     def coefficient(self, o):
         V = o.ufl_function_space()

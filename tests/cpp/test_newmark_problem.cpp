@@ -253,6 +253,19 @@ TEST_CASE("what does not fit is refused, and a callback that throws leaves the l
   CHECK(std::isinf(problem.stable_step()));
 }
 
+TEST_CASE("a callback is called after implicit steps that are multiples of its pause", "[newmark]")
+{
+  Block b;
+  problems::NewmarkProblem problem(b.u, b.v, b.body());
+  std::vector<std::int64_t> steps;
+  const auto note = [&](double, const state::State&) { steps.push_back(problem.step()); };
+  CHECK_THROWS_AS(problem.advance(1.0, {.dt = 0.1, .callback_every = 0}, note), dolfinx_impact::common::BadValue);
+  problem.advance(0.5, {.dt = 0.1, .callback_every = 4}, note);
+  problem.advance(1.1, {.dt = 0.1, .callback_every = 4}, note);
+  CHECK(problem.step() == 11);
+  CHECK(steps == std::vector<std::int64_t>{4, 8});
+}
+
 TEST_CASE("a run asks for the times at which steps end, and tells of steps and values", "[newmark]")
 {
   Block b, plain;

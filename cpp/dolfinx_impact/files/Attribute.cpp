@@ -11,7 +11,11 @@ namespace
 struct Shown
 {
   std::string operator()(std::monostate) const { return "of another kind"; }
-  std::string operator()(const std::string& text) const { return "'" + text + "'"; }
+  // Text with quotes of its own is shown as it is.
+  std::string operator()(const std::string& text) const
+  {
+    return text.find('\'') == std::string::npos ? "'" + text + "'" : text;
+  }
   std::string operator()(std::int64_t number) const { return std::to_string(number); }
   std::string operator()(double number) const { return common::shortest(number); }
   std::string operator()(const Numbers& numbers) const

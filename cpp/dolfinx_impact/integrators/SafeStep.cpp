@@ -24,6 +24,13 @@ SafeStep::SafeStep(const std::shared_ptr<const operators::Function>& u, std::sha
   _value = _watch ? _watch->find_all(u->x()->array()) : compute();
 }
 
+void SafeStep::begin_anew()
+{
+  _value = _watch ? _watch->find_all(_u->x()->array()) : compute();
+  _check_step = _check_interval = _kind.flows ? first_check : _longest;
+  _deformed = _periodic = false;
+}
+
 double SafeStep::compute()
 {
   const auto found = _frequencies->by_cell();

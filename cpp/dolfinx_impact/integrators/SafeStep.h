@@ -37,6 +37,8 @@ public:
   /// Largest stable step at the present state, of all cells; nothing is remembered. Collective [T].
   /// @throws common::BadValue if the stiffness of a cell is not finite
   double compute();
+  /// Forget all that was found, as if the object were made at the present state. Collective.
+  void begin_anew();
   /// Find the stable step of the present state anew. Collective.
   void find();
   /// How often that was done, this object's construction not counted.

@@ -477,6 +477,16 @@ void ExplicitProblem::update_motion()
   set_motion(_integrator->displacement(), v, a);
 }
 
+void ExplicitProblem::begin_anew()
+{
+  if (_step != 0)
+    throw common::BadValue("the problem has made " + std::to_string(_step) + " steps: make another one");
+  for (const ContactInTime& c : _contacts)
+    for (const auto& direction : c.contact.directions())
+      direction->reset();
+  _stepper.begin_anew();
+}
+
 void ExplicitProblem::start(RunObserver& observer)
 {
   const std::size_t owned = num_owned();

@@ -90,6 +90,10 @@ public:
   state::State state();
   /// Set displacement, velocity and acceleration to those of the present time. Collective.
   void update_motion();
+  /// Take another displacement for the start, that of the function now: its stable step is found, and contacts are
+  /// open. `start` or `start_from_equilibrium` come next. Collective.
+  /// @throws common::BadValue steps have been made
+  void begin_anew();
   /// Compute the forces of the start, from the functions of displacement and velocity: for the first time, or because
   /// contacts have got a history. Collective.
   /// @throws common::BadValue if bodies overlap

@@ -36,6 +36,13 @@ std::vector<double> ExplicitStepper::table(std::span<const double> times, RunObs
   return given ? std::move(*given) : _system.table(times);
 }
 
+void ExplicitStepper::begin_anew()
+{
+  _system.safe.begin_anew();
+  _nominal = integrators::SafeStep::safety * _system.safe.value();
+  _schedule.reset();
+}
+
 void ExplicitStepper::start(std::span<const double> u, std::span<const double> v, RunObserver& observer)
 {
   _system.integrator.set_contact_step(_nominal);

@@ -50,6 +50,8 @@ public:
   /// @param[in,out] time, step the present ones
   ExplicitStepper(System system, double& time, std::int64_t& step);
 
+  /// Find the stable step of the present displacement, for another start at time zero. Collective.
+  void begin_anew();
   /// Start at time zero: compute forces. Collective.
   /// @param[in] u, v owned entries [L], [L/T]
   void start(std::span<const double> u, std::span<const double> v, RunObserver& observer);

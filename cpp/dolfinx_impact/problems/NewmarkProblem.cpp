@@ -133,6 +133,9 @@ void NewmarkProblem::advance(double until, const ImplicitAdvance& options, const
   if ((options.tolerance && !(*options.tolerance > 0.0)) || !(options.rtol >= 0.0 && options.rtol < 1.0) ||
       !(options.atol >= 0.0) || options.max_iterations < 1)
     throw common::BadValue("tolerances are positive, and there is one iteration at least");
+  if (options.callback_every < 1)
+    throw common::BadValue("callback_every is " + std::to_string(options.callback_every) +
+                           ": give a positive number of steps");
   common::agree(comm(), [this] { _supports.check(); });
   for (const auto& contact : _equilibrium->contacts)
     contact->check_parameters();
@@ -166,7 +169,7 @@ void NewmarkProblem::advance(double until, const ImplicitAdvance& options, const
   {
     if (events.begins)
       events.begins();
-    take_steps(until, callback, events);
+    take_steps(until, callback, options.callback_every, events);
   }
   catch (...)
   {
@@ -194,7 +197,8 @@ solve::Increment NewmarkProblem::solve_step(std::span<const double> target)
   return out;
 }
 
-void NewmarkProblem::take_steps(double until, const Callback& callback, const ImplicitRunEvents& events)
+void NewmarkProblem::take_steps(double until, const Callback& callback, std::int64_t every,
+                                const ImplicitRunEvents& events)
 {
   const integrators::ImplicitEvents told{events.newton.log, events.update};
   while (_time < until)
@@ -205,7 +209,7 @@ void NewmarkProblem::take_steps(double until, const Callback& callback, const Im
     add_row();
     if (events.accepted)
       events.accepted();
-    if (callback)
+    if (callback && _step % every == 0)
     {
       const state::State now = state();
       common::agree(comm(), [&] { callback(_time, now); });

@@ -27,9 +27,10 @@ struct ImplicitAdvance
   /// nothing: they are not [1].
   std::optional<double> tolerance = std::nullopt;
   std::optional<double> smallest = std::nullopt; ///< smallest step; nothing: a thousandth of dt [T]
-  double rtol = 1e-10;     ///< of the free residual, relative to the largest force in the step [1]
-  double atol = 0.0;       ///< of the free residual [F]
-  int max_iterations = 25; ///< of Newton's method, per step
+  double rtol = 1e-10;             ///< of the free residual, relative to the largest force in the step [1]
+  double atol = 0.0;               ///< of the free residual [F]
+  int max_iterations = 25;         ///< of Newton's method, per step
+  std::int64_t callback_every = 1; ///< steps between calls of a callback, after steps with multiples of it [1]
 };
 
 /// Whom a run tells and asks; functions may be empty. They are called on all ranks, and may throw.
@@ -74,7 +75,7 @@ public:
   ~NewmarkProblem() override;
 
   /// Advance to a time; a step ends there. A step that does not converge is repeated with half its length. Collective.
-  /// @param[in] callback is called after each step; may be empty
+  /// @param[in] callback is called after each step, or some of them; may be empty
   /// @throws common::BadValue a time that has passed, or a value out of its range
   /// @throws common::Failure a step did not converge with the smallest length; the problem is in its last converged
   /// state then, as after exceptions of the callback and of events; or the call came from one of these
@@ -113,7 +114,7 @@ public:
 private:
   void add_row();
   solve::Increment solve_step(std::span<const double> target);
-  void take_steps(double until, const Callback& callback, const ImplicitRunEvents& events);
+  void take_steps(double until, const Callback& callback, std::int64_t every, const ImplicitRunEvents& events);
 
   NewmarkOptions _options;
   ImplicitBody _body;

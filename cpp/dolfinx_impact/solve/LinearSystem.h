@@ -41,11 +41,13 @@ public:
   virtual std::span<const std::int8_t> pinned() const = 0;
   virtual bool symmetric() const = 0;
   Mat K() const { return _stiffness.front(); }
+  /// K, then what is added to it.
+  std::span<const Mat> stiffness() const { return _stiffness; }
   /// A number that no other system of this process has.
   std::uint64_t id() const { return _id; }
 
 protected:
-  std::vector<Mat> _stiffness; ///< K, then what is added to it
+  std::vector<Mat> _stiffness;
 
 private:
   std::uint64_t _id;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "ReleasedFactors.h"
 #include "../operators/petsc_check.h"
+#include "column_products.h"
 #include "dense.h"
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <utility>
 
 using dolfinx_impact::operators::check;
@@ -16,6 +18,7 @@ namespace
 {
 // Stiffness of combinations of columns that move nothing but what the system pins, over the largest: round-off.
 constexpr double least_stiffness = 1e-9;
+constexpr int block = 32; // columns that are multiplied together
 } // namespace
 
 std::int64_t ReleasedFactors::num_columns(MPI_Comm comm, const enforcement::Condensation& condensation)
@@ -44,20 +47,11 @@ ReleasedFactors::ReleasedFactors(Mat factors, std::shared_ptr<enforcement::Conde
   MPI_Comm_rank(_comm, &rank);
   first = rank == 0 ? 0 : first; // MPI_Exscan leaves it undefined there
   _columns.assign(owned * std::size_t(_num_columns), 0.0);
-  std::vector<double> forces(_columns.size()); // that hold the other nodes where they are
-  for (int k = 0; k < _num_columns; ++k)
-  {
-    const std::span<double> column(_columns.data() + std::size_t(k) * owned, owned);
-    if (k >= first && k < first + count)
-      conditions.add_constrained(own[k - first], column);
-    {
-      Entries moved(_moved);
-      std::ranges::copy(column, &moved[0]);
-    }
-    check(MatMult(K, _moved, _force), "a matrix is multiplied");
-    const std::vector<double> found = operators::values_of(_force, owned);
-    std::ranges::transform(found, forces.begin() + std::ptrdiff_t(std::size_t(k) * owned), std::negate{});
-  }
+  for (int k = 0; k < count; ++k)
+    conditions.add_constrained(own[k], {_columns.data() + std::size_t(first + k) * owned, owned});
+  std::vector<double> forces; // that hold the other nodes where they are
+  for (int begin = 0; begin < _num_columns; begin += block)
+    std::ranges::transform(forces_of({&K, 1}, begin, {}), std::back_inserter(forces), std::negate{});
   _factors.add_solutions(_num_columns, forces, _columns);
 }
 
@@ -75,6 +69,31 @@ std::vector<double> ReleasedFactors::products(std::span<const double> values) co
     out = dense_product(_columns, values, _num_columns);
   MPI_Allreduce(MPI_IN_PLACE, out.data(), _num_columns, MPI_DOUBLE, MPI_SUM, _comm);
   return out;
+}
+
+/// Forces of the columns of a block, zero at pinned unknowns. Collective.
+/// @param[in] stiffness matrices that are added
+/// @param[in] begin number of the first column
+/// @param[in] pinned unknowns that do not move; empty: there are none
+/// @returns those of k at [(k - begin)*num_owned, (k - begin + 1)*num_owned)
+std::vector<double> ReleasedFactors::forces_of(std::span<const Mat> stiffness, int begin,
+                                               std::span<const std::int8_t> pinned) const
+{
+  const std::size_t owned = _factors.num_owned();
+  const int num = std::min(block, _num_columns - begin);
+  const double* const start = _columns.data() + std::size_t(begin) * owned;
+  const auto pin = [&](std::vector<double>& values)
+  {
+    for (int k = 0; k < num && !pinned.empty(); ++k)
+      for (std::size_t i = 0; i < owned; ++i)
+        if (pinned[i])
+          values[std::size_t(k) * owned + i] = 0.0;
+  };
+  std::vector<double> moved(start, start + std::size_t(num) * owned);
+  pin(moved);
+  std::vector<double> forces = column_products(stiffness, num, std::move(moved));
+  pin(forces);
+  return forces;
 }
 
 /// Forces of increments in the selected system, zero at its pinned unknowns. Collective.
@@ -96,11 +115,15 @@ bool ReleasedFactors::select(CondensedSystem& system)
   _system_id = 0;
   const std::size_t owned = _factors.num_owned();
   std::vector<double> matrix(std::size_t(_num_columns) * _num_columns);
-  for (int j = 0; j < _num_columns; ++j)
+  for (int begin = 0; begin < _num_columns; begin += block)
   {
-    const std::vector<double> column = products(forces_of({_columns.data() + std::size_t(j) * owned, owned}));
-    for (int i = 0; i < _num_columns; ++i)
-      matrix[std::size_t(i) * _num_columns + j] = column[i];
+    const std::vector<double> forces = forces_of(system.stiffness(), begin, system.pinned());
+    for (int j = begin; j < std::min(begin + block, _num_columns); ++j)
+    {
+      const std::vector<double> column = products({forces.data() + std::size_t(j - begin) * owned, owned});
+      for (int i = 0; i < _num_columns; ++i)
+        matrix[std::size_t(i) * _num_columns + j] = column[i];
+    }
   }
   // A body that is held as a whole and that the others' conditions left free is not opened by columns that move it
   // alone: those have no part in the system.

@@ -52,6 +52,7 @@ public:
 
 private:
   std::vector<double> products(std::span<const double> values) const;
+  std::vector<double> forces_of(std::span<const Mat> stiffness, int begin, std::span<const std::int8_t> pinned) const;
   std::vector<double> forces_of(std::span<const double> increments) const;
 
   MPI_Comm _comm;

@@ -2,6 +2,7 @@
 #include "unconstrained_modes.h"
 #include "../common/text.h"
 #include "../operators/petsc_check.h"
+#include "column_products.h"
 #include "dense.h"
 #include "rigid_supports.h"
 #include <algorithm>
@@ -26,22 +27,19 @@ typedef std::vector<std::vector<double>> Combinations;
 Combinations without_resistance(Mat K, const RigidBodyModes& motions, const Combinations& modes)
 {
   const int n = int(modes.size());
-  Vec x = nullptr, y = nullptr;
-  check(MatCreateVecs(K, &x, &y), "vectors are made");
   Combinations fields, forces;
+  std::vector<double> columns;
   for (const std::vector<double>& mode : modes)
   {
     fields.push_back(motions.field(mode));
-    {
-      operators::Entries values(x);
-      std::ranges::copy(fields.back(), &values[0]);
-    }
-    check(MatMult(K, x, y), "a matrix is multiplied");
-    operators::Entries values(y);
-    forces.emplace_back(&values[0], &values[0] + values.size());
+    columns.insert(columns.end(), fields.back().begin(), fields.back().end());
   }
-  check(VecDestroy(&x), "a vector is destroyed");
-  check(VecDestroy(&y), "a vector is destroyed");
+  const std::vector<double> products = column_products({&K, 1}, n, std::move(columns));
+  for (int k = 0; k < n; ++k)
+  {
+    const double* const start = products.data() + std::size_t(k) * fields[k].size();
+    forces.emplace_back(start, start + fields[k].size());
+  }
   std::vector<double> work(n * n, 0.0), squares(2 * n, 0.0);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)

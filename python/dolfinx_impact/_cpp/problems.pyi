@@ -168,6 +168,9 @@ class ExplicitProblem:
     def stable_step(self, method: StableStepMethod) -> float:
         """Of the displacement that the function has. Collective"""
 
+    def begin_anew(self) -> None:
+        """Take the present displacement for another start. Collective"""
+
     def start(self, observer: object) -> tuple[str, str] | None:
         """Forces of the start; what all ranks throw, or None. Collective"""
 

@@ -65,3 +65,23 @@ def make(kind: Callable[..., StartedProblem], static: StaticProblem, given: dict
     problem = kind(u, static.material, **{"velocity": fem.Function(V, name="velocity"), **given})
     problem.restart_forces(static.equilibrium)
     return problem
+
+
+def start_again(problem: StartedProblem, static: StaticProblem, velocity: fem.Function) -> None:
+    """Begin with another equilibrium of the same bodies, as a new problem would that takes seconds to set up: forms are
+    analysed and masses assembled once. Collective.
+
+    Args:
+        problem: explicit problem that `from_static` has made and that has made no step; its displacement and velocity
+            are overwritten.
+        static: the equilibrium, with contacts of the same surfaces.
+        velocity: velocity at the start [L/T].
+
+    Raises:
+        ValueError: steps have been made; on all ranks.
+        RuntimeError: the springs do not bear the static force; on all ranks.
+    """
+    problem.u.x.array[:] = static.u.x.array
+    problem.velocity.x.array[:] = velocity.x.array
+    problem._cpp_object.begin_anew()
+    problem.restart_forces(static.equilibrium)

@@ -19,6 +19,7 @@ from dolfinx_impact.common.types import AnyArray, FilePath, FloatArray
 from dolfinx_impact.contact import Lagrange, Penalty
 from dolfinx_impact.contact.explicit.nodal import NodalPair
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
+from dolfinx_impact.dynamics.static_start import start_again
 from dolfinx_impact.dynamics.subject import in_time
 from dolfinx_impact.io import checkpoint
 from dolfinx_impact.io.checkpoint import Place, State
@@ -308,11 +309,13 @@ class Passage:
         Raises:
             RuntimeError: the springs found no equilibrium; on all ranks.
         """
+        run: ExplicitProblem | None = None
         if self._penalty is None:
-            trial = ExplicitProblem.from_static(static, **self.explicit_arguments()).contact[0]
-            assert isinstance(trial, NodalPair)  # the joint has no other contact
-            closed = trial.stiffness > 0.0
-            found = self.model.comm.allgather(trial.stiffness[closed] / trial.weight[closed])
+            run = ExplicitProblem.from_static(static, **self.explicit_arguments())
+            pressed = run.contact[0]
+            assert isinstance(pressed, NodalPair)  # the joint has no other contact
+            closed = pressed.stiffness > 0.0
+            found = self.model.comm.allgather(pressed.stiffness[closed] / pressed.weight[closed])
             self._penalty = float(np.median(np.concatenate(found)))
         # The springs' compliance makes the contact a little longer: without this equilibrium of their own, their
         # transition to it would make the force swing by 3 % in the first 20 mm.
@@ -326,9 +329,12 @@ class Passage:
         self._solve_with_factors(springs)
         self._sunk = self.u.x.array - before
         velocity = self.model.rolling_velocity(self.u)
-        self.run = ExplicitProblem.from_static(springs, velocity=velocity, **self.explicit_arguments())
-        self.u = self.run.u
-        return self.run
+        if run is None:
+            run = ExplicitProblem.from_static(springs, velocity=velocity, **self.explicit_arguments())
+        else:
+            start_again(run, springs, velocity)
+        self.run, self.u = run, run.u
+        return run
 
     def _bare(self, u: fem.Function) -> ExplicitProblem:
         """An explicit problem of the joint into which a state is read. Collective."""

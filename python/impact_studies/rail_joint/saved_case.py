@@ -100,7 +100,7 @@ class SavedCase:
         text = (self.path / STATE).read_text(encoding="utf-8")
         found = json.loads(text)
         sealed = found.pop("seal")
-        if sealed != _seal(found):
+        if sealed != seal(found):
             raise ValueError(f"the checksum of {STATE} is another one")
         for name, value in self._identity.items():
             if found["identity"].get(name) != value:
@@ -174,7 +174,7 @@ class SavedCase:
                 "number of files": self._number,
             }  # fmt: skip
             new = json.loads(json.dumps(new))
-            write_whole(self.path / STATE, json.dumps({**new, "seal": _seal(new)}, indent=1) + "\n")
+            write_whole(self.path / STATE, json.dumps({**new, "seal": seal(new)}, indent=1) + "\n")
             for old in self.path.iterdir():
                 if old.name not in {*files, STATE}:
                     old.unlink()
@@ -188,7 +188,12 @@ class _OtherRun(ValueError):
     """The state belongs to a run with another identity."""
 
 
-def _seal(state: Mapping[str, Any]) -> str:
+def seal(state: Mapping[str, Any]) -> str:
+    """Checksum of a state.
+
+    Args:
+        state: numbers and texts by name, without the seal.
+    """
     return hashlib.blake2b(json.dumps(state, sort_keys=True).encode(), digest_size=16).hexdigest()
 
 

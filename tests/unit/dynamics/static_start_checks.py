@@ -10,6 +10,7 @@ from over_ranks import largest
 
 import dolfinx_impact as di
 from dolfinx_impact import _cpp, meshes
+from dolfinx_impact.dynamics.static_start import start_again
 
 COMM = MPI.COMM_WORLD
 PRESSURE = 90.0
@@ -67,6 +68,32 @@ def check_static_springs_go_on():
     # One method integrates the overlap over facets, the other one has it at nodes: that moves a part of the force at
     # the upper block's corners, where the pressure has its peaks.
     assert np.abs(run.force_history[0][:, 1] / (0.6 * PRESSURE) - 1.0).max() < 0.05
+
+
+def check_a_problem_begins_again_with_another_equilibrium():
+    """To the last bit as a new one: steps, springs, friction and internal variables of the first one are forgotten."""
+    first, bcs, loads, contact = blocks(80.0, penalty="step")
+    V = first.u.function_space
+    springs = di.Penalty(first.contact[0].pair, penalty=1e6)
+    second = di.StaticProblem(fem.Function(V), first.material, bcs=bcs, loads=loads, contact=[springs])
+    velocity = fem.Function(V)
+    velocity.x.array.reshape(-1, 2)[upper_nodes(V)] = 1e-2
+    for static in (first, second):
+        static.solve()
+    given = dict(bcs=bcs, loads=loads, contact=contact)
+    run = di.ExplicitProblem.from_static(first, **given)
+    start_again(run, second, velocity)
+    new = di.ExplicitProblem.from_static(second, velocity=velocity, **given)
+    for problem in (run, new):
+        problem.advance(40 * new.stable_step(), progress=False)
+    assert run.step == new.step > 0
+    for name in ("u", "velocity"):
+        assert np.array_equal(getattr(run, name).x.array, getattr(new, name).x.array), name
+    assert np.array_equal(run.history["plastic_strain"].values, new.history["plastic_strain"].values)
+    assert np.array_equal(run.energy_history, new.energy_history)
+    assert np.array_equal(run.force_history[0], new.force_history[0])
+    with pytest.raises(ValueError, match="make another one"):
+        start_again(run, second, velocity)
 
 
 def check_bodies_part_without_a_jump():

@@ -173,7 +173,7 @@ def test_materials_of_tags_have_kernels_in_float():
 
 def test_checkpoints_are_of_one_precision(tmp_path):
     run("mixed", 2).save(tmp_path / "state.h5")
-    with pytest.raises(ValueError, match="mixed precision"):
+    with pytest.raises(ValueError, match="scheme is 'half_step', mixed precision, here 'half_step'$"):
         run("double", 2).restore(tmp_path / "state.h5")
     run("mixed", 3).restore(tmp_path / "state.h5")
 

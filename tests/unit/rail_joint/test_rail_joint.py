@@ -14,6 +14,7 @@ test_one_rank, test_several_ranks = rank_tests(
         "a_lifted_wheel_needs_no_factors_of_its_own": (1,),
         "killed_run_goes_on": (1,),
         "run_killed_in_every_stage_goes_on": (),
+        "a_folder_of_an_older_version_goes_on": (1,),
         "a_run_in_a_folder_is_alone": (1, 2),
         "a_new_run_removes_the_results_of_an_old_one": (1, 2),
         "prediction_of_a_long_run": (),

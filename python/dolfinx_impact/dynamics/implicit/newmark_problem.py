@@ -428,6 +428,7 @@ class NewmarkProblem(TransientProblem):
         max_iterations: int = 25,
         verbose: bool = False,
         update: Callable[[NewmarkProblem, float], object] | None = None,
+        callback_every: int = 1,
     ) -> None:
         """Advance to a time. Collective.
 
@@ -441,9 +442,9 @@ class NewmarkProblem(TransientProblem):
             tolerance: local error of a step's displacement, relative to the largest displacement so far, by which steps
                 are chosen; None: they are not [1].
             smallest: smallest step; None: a thousandth of dt [T].
-            callback: function that is called as callback(problem) after each step and before the first step of a run
-                (at step 0). The next step is solved for its end: what a callback sets for the present time comes a step
-                late there. Functions of time belong into `update`.
+            callback: function that is called as callback(problem) after each step, or each of `callback_every`, and
+                before the first step of a run (at step 0). The next step is solved for its end: what a callback sets
+                for the present time comes a step late there. Functions of time belong into `update`.
             progress: whether rank 0 shows a progress bar.
             rtol: tolerance of the free residual, relative to the largest force in the step [1].
             atol: tolerance of the free residual [F].
@@ -453,6 +454,8 @@ class NewmarkProblem(TransientProblem):
                 it is repeated with another length, and for the start. What it sets, constants and functions of a
                 residual of your own, values of loads, holds at this time, as in explicit runs. The state of the problem
                 is still that of the last step.
+            callback_every: steps between calls of `callback`, which come after the steps whose number is a multiple of
+                it [1].
 
         Raises:
             TypeError: an argument is of the wrong type; on all ranks.
@@ -491,16 +494,17 @@ class NewmarkProblem(TransientProblem):
             if (until - self.time) / dt > MOST_STEPS or dt < np.spacing(until):
                 raise ValueError(f"a step of {dt:g} takes too many steps to the time {until:g}; take a larger dt")
             max_iterations = arguments.integer("max_iterations", max_iterations, 1)
+            every = arguments.integer("callback_every", callback_every, 1, unit=" [1]")
             rtol, atol = (arguments.tolerance(name, value) for name, value in (("rtol", rtol), ("atol", atol)))
             ranks.same(until=until, dt=dt, tolerance=tolerance, smallest=smallest, rtol=rtol, atol=atol,
-                       max_iterations=max_iterations)  # fmt: skip
+                       max_iterations=max_iterations, callback_every=every)  # fmt: skip
         if until == self.time:
             return
         after = None if callback is None else lambda: callback(self)
         setting = None if update is None else lambda time: update(self, time)
         limits = StepLimits(dt, tolerance, smallest, rtol, atol, max_iterations)
         told = self._take_row, self._accepted
-        self.stepper.advance(until, limits, after, setting, self.sample, *told, progress, verbose)
+        self.stepper.advance(until, limits, after, every, setting, self.sample, *told, progress, verbose)
         self._hourglass.warn(stacklevel=3)
         self.linear_solver.warn_of_unused()
 

@@ -124,6 +124,7 @@ class ImplicitStepper(Described):
         until: float,
         limits: StepLimits,
         callback: Callable[[], object] | None,
+        callback_every: int,
         update: Callable[[float], object] | None,
         table: Callable[[FloatArray], FloatArray],
         started: Callable[[], None],
@@ -136,7 +137,8 @@ class ImplicitStepper(Described):
         Args:
             until: time to advance to [T].
             limits: lengths of steps and tolerances.
-            callback: function that is called after each step, or None.
+            callback: function that is called after each step, or some of them; None: there is none.
+            callback_every: steps between its calls, which come after steps with multiples of it [1].
             update: function that sets values for a time, or None.
             table: function that samples all functions of time.
             started: function that is called when accelerations of the start were computed anew.
@@ -180,9 +182,10 @@ class ImplicitStepper(Described):
                 drift = accepted()
                 for recorder in self.recorders:
                     recorder.after()
-                error = self._called(callback) if callback else None
+                due = callback if self._cpp_object.step % callback_every == 0 else None
+                error = self._called(due) if due else None
                 # Where a filter makes an error of the warning, it is that of one rank.
-                error = error or attempt(self._warn_of_late_values, callback is not None)[1]
+                error = error or attempt(self._warn_of_late_values, due is not None)[1]
                 bar.show_step(self._cpp_object.step, self._cpp_object.time, self._cpp_object.time - self._before, drift)
                 interrupts.check(error)
 

@@ -58,6 +58,29 @@ def check_steps_end_at_given_times():
         assert (path / "run" / "fields.bp").exists()
 
 
+def check_callbacks_after_some_steps():
+    """At the start and after steps that are multiples of the pause; functions of time are set in every step."""
+    problem, seen, updated = bar(), [], []
+
+    def callback(p):
+        seen.append((p.step, p.time))
+
+    problem.advance(0.1, 0.01, callback=callback, callback_every=4, progress=False)
+    assert [step for step, _ in seen] == [0, 4, 8] and problem.step == 10
+    np.testing.assert_allclose([time for _, time in seen], [0.0, 0.04, 0.08], rtol=1e-12)
+    seen.clear()
+    problem.advance(0.13, 0.01, callback=callback, callback_every=4, progress=False,
+                    update=lambda p, time: updated.append(time))  # fmt: skip
+    assert [step for step, _ in seen] == [12] and len(updated) == 3
+    for wrong, error in ((0, ValueError), (1.5, ValueError), ("two", TypeError)):
+        with pytest.raises(error, match="callback_every"):
+            problem.advance(1.0, 0.01, callback=callback, callback_every=wrong, progress=False)
+    if COMM.size > 1:
+        with pytest.raises(ValueError, match="callback_every"):
+            problem.advance(1.0, 0.01, callback=callback, callback_every=1 + COMM.rank, progress=False)
+    assert problem.step == 13
+
+
 def check_a_folder_that_is_removed():
     """The run goes on with one warning; closing the recorder is an error."""
     with shared_folder() as path:

@@ -9,7 +9,7 @@ import ufl
 
 from dolfinx_impact.forms import elasticity
 from dolfinx_impact.forms.compiler import frontend
-from dolfinx_impact.forms.compiler.standard_mesh import StandardMesh, standard_element
+from dolfinx_impact.forms.compiler.standard_mesh import MeshWithCell, StandardMesh, standard_element
 from dolfinx_impact.forms.materials import LinearElastic
 
 CELLS = {"triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
@@ -66,3 +66,12 @@ def test_what_is_standard_stays_as_it_is():
     assert standard_element(single) is single
     ((form, _), *_) = forms("triangle", 1, "gll_warped")
     assert StandardMesh(form.ufl_domains()).form(form) is form
+
+
+def test_a_standard_mesh_keeps_its_cell():
+    element = coordinate_element("hexahedron", 1, "gll_warped")
+    mesh = MeshWithCell(element, 7)
+    assert mesh.ufl_cell() is mesh.ufl_cell() and mesh.ufl_cell() == element.cell
+    other = ufl.Mesh(element, ufl_id=7)
+    first, second = ((ufl.SpatialCoordinate(m)[0] * ufl.dx(domain=m)).signature() for m in (mesh, other))
+    assert first == second
