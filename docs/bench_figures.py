@@ -67,7 +67,8 @@ def figure(lines):
             start = len(dates) - len(runs)  # rows that were added later end with the others
             style = {"label": ", ".join(key)} if key in named else {"color": "0.8", "zorder": 0}
             ax.plot(range(start, len(dates)), relative, "o-", markersize=3, linewidth=1, **style)
-        ax.set_xticks(range(len(dates)), [f"{date[:10]}\n{commit}" for date, commit in dates], fontsize=7)
+        labels = ["\n".join((date[:10], *commit.split())) for date, commit in dates]
+        ax.set_xticks(range(len(dates)), labels, fontsize=7)
         ax.set(title=processor, ylabel="ratio over that of the first run [1]")
         ax.grid(alpha=0.3)
         ax.legend(fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5))

@@ -81,7 +81,7 @@ done
 fact "without a compiler: a form of DOLFINx is refused in one sentence" refused "no C compiler was found" \
   python -c "$form"
 fact "without a compiler: a kernel that is made at run time, too" refused "no C++ compiler was found" \
-  dolfinx-impact demo hertz --output "$work/home/refused"
+  dolfinx-impact demo own_form --output "$work/home/refused"
 for demo in "$@"; do
   for ranks in ${RANKS:-1 2}; do
     fact "$demo, ranks: $ranks" clean "$full" dolfinx-impact demo "$demo" --ranks "$ranks"
