@@ -65,8 +65,9 @@ SpringBatch alone(const SpringBatch& b, int l)
   SpringBatch out = b;
   out.num = 1;
   const auto copy = [l](double* values) { values[0] = values[l]; };
-  for (double* values : {out.gap, out.beside, out.oblique, out.begins, out.per_area, out.compliance,
-                         out.area_compliance, out.force, out.spring_compliance, out.spring_gap, out.surplus, out.tangential_surplus})
+  for (double* values :
+       {out.gap, out.beside, out.oblique, out.begins, out.per_area, out.compliance, out.area_compliance, out.force,
+        out.spring_compliance, out.spring_gap, out.surplus, out.tangential_surplus})
     copy(values);
   for (auto* values : {&out.normal, &out.x, &out.motion, &out.tangential})
     for (int c = 0; c < 3; ++c)

@@ -14,21 +14,23 @@ constexpr double wanted = 0.03;         // relative change from one check to the
 
 SafeStep::SafeStep(const std::shared_ptr<const operators::Function>& u, std::shared_ptr<CellFrequencies> frequencies,
                    CellSteps steps, Kind kind, CentralDifference& integrator)
-    : _u(u), _frequencies(std::move(frequencies)), _steps(std::move(steps)), _kind(kind), _integrator(integrator),
-      _periodic(kind.periodic), _check_step(kind.flows ? first_check : _longest), _check_interval(_check_step)
+    : _u(u), _frequencies(std::move(frequencies)), _steps(std::move(steps)), _kind(kind), _integrator(integrator)
 {
   if (kind.watched || kind.periodic)
     _frequencies->keep_masses();
   if (kind.watched)
     _watch.emplace(*u->function_space(), _frequencies, _steps, integrator);
-  _value = _watch ? _watch->find_all(u->x()->array()) : compute();
+  begin_anew();
 }
 
 void SafeStep::begin_anew()
 {
   _value = _watch ? _watch->find_all(_u->x()->array()) : compute();
   _check_step = _check_interval = _kind.flows ? first_check : _longest;
-  _deformed = _periodic = false;
+  _periodic = _kind.periodic;
+  _deformed = false;
+  _num_found = 0;
+  changes = {};
 }
 
 double SafeStep::compute()

@@ -41,7 +41,7 @@ public:
   void begin_anew();
   /// Find the stable step of the present state anew. Collective.
   void find();
-  /// How often that was done, this object's construction not counted.
+  /// How often that was done since the object was made, or began anew.
   std::int64_t num_found() const { return _num_found; }
   /// Has a cell deformed so far that it should be found anew? The same on all ranks.
   bool deformed() const { return _deformed || _integrator.deformed(); }
@@ -91,8 +91,8 @@ private:
   CentralDifference& _integrator;
   std::optional<StableStepWatch> _watch;
   double _value = 0.0;
-  bool _periodic;         ///< in the present call
+  bool _periodic = false; ///< in the present call
   bool _deformed = false; ///< a cell did, before the checkpoint from which the run goes on
-  std::int64_t _longest = 500, _check_step, _check_interval, _num_found = 0;
+  std::int64_t _longest = 500, _check_step = 0, _check_interval = 0, _num_found = 0;
 };
 } // namespace dolfinx_impact::integrators

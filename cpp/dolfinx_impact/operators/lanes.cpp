@@ -11,7 +11,7 @@ namespace
 {
 constexpr std::size_t large_page = std::size_t(1) << 21; ///< [bytes]; larger ones of other machines are left alone
 
-/// Alignment of an array: its last large page may be a partial one, which is lost.
+/// Arrays that hold two large pages or more begin with one; what is left behind their last one lies in small pages.
 std::align_val_t alignment_of(std::size_t bytes)
 {
   return std::align_val_t{bytes >= 2 * large_page ? large_page : alignment};

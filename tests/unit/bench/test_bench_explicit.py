@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from dolfinx_impact import _cpp
+from dolfinx_impact.materials import NeoHookean
 from impact_studies.bench import explicit as bench_explicit
 from impact_studies.bench.setup import Setup
 
@@ -37,6 +38,16 @@ def test_another_force_makes_no_rows(monkeypatch):
     monkeypatch.setattr(Setup, "baseline", wrong)
     with pytest.raises(RuntimeError, match="no timing counts"):
         bench_explicit.step_rows((("hexahedron", 1, 3),), steps=2)
+
+
+def test_no_stable_step_is_timed_among_the_others(monkeypatch):
+    """It is found anew where cells deform far: a row would tell of that, not of steps."""
+    case = ("hexahedron", 1, 4)
+    rows = by_name(bench_explicit.step_rows((case,), NeoHookean, steps=20, baselines=("A",)))
+    assert rows["neo_hookean whole step / own force"]["value"] > 0
+    monkeypatch.setattr(bench_explicit, "AMPLITUDE", 1.0)
+    with pytest.raises(RuntimeError, match="stable steps were found anew"):
+        bench_explicit.step_rows((case,), NeoHookean, steps=20, baselines=("A",))
 
 
 def test_rows_of_contact():
