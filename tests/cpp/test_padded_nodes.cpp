@@ -179,7 +179,7 @@ TEST_CASE("a kernel's own sweep gives the same as its calls")
       const double* scalars = nullptr;
       const impact_cells cells{batches,      dofs.data(), constants.data(), x.data(), values.data(),
                                found.data(), scalars,     nullptr,          nullptr,  nullptr,
-                               nullptr};
+                               nullptr,      nullptr};
       sweep(&cells);
       AlignedVector A(element.num_dofs * width, 0.0), w(A.size()), positions(3 * nodes * width);
       for (int batch = 0; batch < batches; ++batch)

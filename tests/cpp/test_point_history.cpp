@@ -83,6 +83,40 @@ TEST_CASE("in place, evaluations add up and a snapshot brings them back")
   CHECK(std::ranges::count(h.values(0), 1.0) == 30);
 }
 
+TEST_CASE("batches whose committed values are all zero are known, whatever has changed them")
+{
+  PointHistory h(kernel_of_points(3), cells, 4);
+  const auto known = [&] { return std::vector<int>(h.has_history(), h.has_history() + 2); };
+  const std::vector<int> none{0, 0}, second{0, 1}, both{1, 1};
+  std::vector<double> values(30, 0.0);
+  CHECK(known() == none);
+  values[4 * 6] = -0.0; // of the last cell: a kernel that reads it may tell it from zero
+  h.set_values(0, values);
+  CHECK(known() == second);
+  values[4 * 6] = 0.0;
+  h.set_values(0, values);
+  CHECK(known() == none);
+  evaluate(h, 2, 1.0);
+  h.revert();
+  CHECK(known() == none);
+  h.set_in_place(true);
+  h.store_snapshot();
+  *h.trial(0, 1) = 1.0; // what is not a sweep of a kernel writes here
+  CHECK(known() == second);
+  evaluate(h, 2, 1.0);
+  CHECK(known() == both);
+  h.restore_snapshot();
+  CHECK(known() == none);
+  h.set_in_place(false);
+  evaluate(h, 2, 1.0);
+  h.commit();
+  CHECK(known() == both);
+  // A state refers to committed values: once it is set, `revert` says so.
+  std::fill_n(h.overwritten(0), 2 * h.batch_size(0), 0.0);
+  h.revert();
+  CHECK(known() == none);
+}
+
 TEST_CASE("values that do not fit are refused")
 {
   PointHistory h(kernel_of_points(3), cells, 4);

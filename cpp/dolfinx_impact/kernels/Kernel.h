@@ -32,6 +32,9 @@ extern "C"
     /// Of each output the internal variables of the first batch, aligned to 64 bytes, read and overwritten; batches
     /// follow each other. Null for an output that is none: it is not written.
     double* const* history;
+    /// Of each batch whether an internal variable may be other than +0; the others' are not read, and set where the
+    /// kernel changes them. Null without internal variables.
+    unsigned char* has_history;
     double* sums; ///< the kernel's sums over each cell are added to it
     /// Called for batches with points whose local equations were not solved; A is as tabulate leaves it but for
     /// outputs.
@@ -86,7 +89,7 @@ extern "C"
 
   enum
   {
-    IMPACT_KERNEL_ABI = 4,
+    IMPACT_KERNEL_ABI = 5,
     IMPACT_KERNEL_WIDTHS = 3 ///< tabulate[k] takes 1, 4, 8 cells at once
   };
 

@@ -50,6 +50,14 @@ struct PointArrays
   int report_offset; ///< of the number of points that were not solved; -1: there are no equations
 
   static constexpr int count = num_outputs;
+  /// Values of a cell that all internal variables have; 1 if there are none, as arrays have at least one entry.
+  constexpr int num_values() const
+  {
+    int sum = 0;
+    for (int size : sizes)
+      sum += size;
+    return sum > 0 ? sum : 1;
+  }
 };
 
 /// One component of a node in each of four lanes.
@@ -291,8 +299,21 @@ IMPACT_ALWAYS_INLINE void sweep(const impact_cells& cells)
   }
 }
 
+/// Is a value of the array other than +0?
+template <typename T, int N>
+IMPACT_ALWAYS_INLINE bool holds_bits(const T (&values)[N])
+{
+  typedef decltype(values[0] == values[0]) Bits;
+  Bits all = __builtin_bit_cast(Bits, values[0]);
+#pragma GCC unroll 8
+  for (int i = 1; i < N; ++i)
+    all = all | __builtin_bit_cast(Bits, values[i]);
+  return any_lane(all != 0);
+}
+
 /// The same for a kernel with internal variables, which it reads and overwrites where they lie. The next batch is
-/// gathered and fetched before the present one is computed.
+/// gathered and fetched before the present one is computed. The virgin state is zero, and most cells of a body never
+/// leave it: batches in it read zeros from the first cache, and none from memory.
 /// @tparam kernel the kernel for vectors of W cells, in place
 /// @tparam at its arrays at the points
 template <int W, auto kernel, NodalArrays of, auto at>
@@ -308,9 +329,14 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
   double constants[of.num_constants + 1]{}; // as in `sweep`
   for (int i = 0; i < of.num_constants; ++i)
     constants[i] = s.constants[i];
-  T* history[at.count];
-  for (int k = 0; k < at.count; ++k)
+  T virgin[at.num_values()], *virgins[at.count], *history[at.count];
+  for (int i = 0; i < at.num_values(); ++i)
+    virgin[i] = T{};
+  for (int k = 0, first = 0; k < at.count; first += at.sizes[k++])
+  {
     history[k] = reinterpret_cast<T*>(s.history[k]);
+    virgins[k] = virgin + first;
+  }
   const auto read = [&](const int* nodes, int buffer)
   {
 #pragma GCC unroll 16
@@ -333,14 +359,25 @@ IMPACT_ALWAYS_INLINE void sweep_history(const impact_cells& cells)
     if (batch + 1 < s.num_batches)
     {
       read(nodes + W * N, 1 - buffer);
-      for (int k = 0; k < at.count; ++k)
+      for (int k = 0; k < at.count && s.has_history[batch + 1]; ++k)
         for (unsigned long long byte = 0; byte < at.sizes[k] * sizeof(T); byte += bytes_of_a_line)
           __builtin_prefetch(reinterpret_cast<const char*>(history[k] + at.sizes[k]) + byte, 0, second_cache);
     }
 #pragma GCC unroll 48
     for (int i = 0; i < size; ++i)
       A[i] = T{};
-    kernel(A, w[buffer], constants, x[buffer], 0, history);
+    const bool is_virgin = !s.has_history[batch];
+    kernel(A, w[buffer], constants, x[buffer], 0, is_virgin ? virgins : history);
+    if (is_virgin && holds_bits(virgin))
+    {
+      for (int k = 0; k < at.count; ++k)
+        for (int i = 0; i < at.sizes[k]; ++i)
+        {
+          history[k][i] = virgins[k][i];
+          virgins[k][i] = T{};
+        }
+      s.has_history[batch] = 1;
+    }
     scatter_all<W, N, of.test_components>(s.result, nodes, A);
     for (int k = 0; k < at.num_sums; ++k)
       for (int lane = 0; lane < W; ++lane)

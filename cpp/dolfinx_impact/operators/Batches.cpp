@@ -466,10 +466,12 @@ bool Batches::run_kernel_sweep(std::size_t num_batches, double* b) const
     return false;
   const auto report = [](const void* owner, unsigned long long batch, const double* A)
   { static_cast<const Batches*>(owner)->record_failures(batch, A); };
-  impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values, nullptr, b,
-                     nullptr,     _places.data(),    _sums.data(),      report,    this};
+  impact_cells cells{num_batches, _test.dofs.data(), _constants.data(), _x.values,    nullptr, b,
+                     nullptr,     _places.data(),    nullptr,           _sums.data(), report,  this};
   for (int i = 0; i < int(_places.size()); ++i)
-    _places[i] = _history->is_history(i) ? _history->trial(i, 0) : nullptr;
+    _places[i] = _history->is_history(i) ? _history->overwritten(i) : nullptr;
+  if (_history)
+    cells.has_history = _history->has_history();
   for (const Array& a : _coefficients)
   {
     if (a.field >= 0)

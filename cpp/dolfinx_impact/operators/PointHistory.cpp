@@ -8,7 +8,7 @@ namespace dolfinx_impact::operators
 {
 PointHistory::PointHistory(const impact_kernel& kernel, std::span<const std::int32_t> cells, int width)
     : _cells(cells.begin(), cells.end()), _num_points(kernel.num_points), _width(width),
-      _num_batches((cells.size() + width - 1) / width)
+      _num_batches((cells.size() + width - 1) / width), _has_history(_num_batches)
 {
   if (kernel.num_outputs == 0 && kernel.local_unknowns == 0)
     throw std::invalid_argument(std::string("kernel ") + kernel.name + " has no outputs at its points, so no history");
@@ -30,13 +30,29 @@ void PointHistory::commit()
   for (Field& f : _fields)
     if (f.is_history)
       std::ranges::copy(f.trial, f.committed.begin()); // not exchanged: a State has views of committed values
-  _evaluated = false;
+  _evaluated = _knows_history = false;
+}
+
+unsigned char* PointHistory::has_history()
+{
+  if (!_knows_history)
+  {
+    std::ranges::fill(_has_history, 0);
+    for (const Field& f : _fields)
+      for (std::size_t batch = 0; f.is_history && batch < _num_batches; ++batch)
+      {
+        const std::span<const double> values(f.committed.data() + batch * f.batch_size, f.batch_size);
+        _has_history[batch] |= !std::ranges::all_of(values, [](double x) { return x == 0.0 && !std::signbit(x); });
+      }
+    _knows_history = true;
+  }
+  return _has_history.data();
 }
 
 void PointHistory::set_in_place(bool in_place)
 {
   _in_place = in_place;
-  _evaluated = _has_snapshot = false;
+  _evaluated = _has_snapshot = _knows_history = false;
 }
 
 void PointHistory::store_snapshot()
@@ -54,6 +70,7 @@ void PointHistory::restore_snapshot()
     throw std::logic_error("history has no snapshot to go back to");
   for (Field& f : _fields)
     std::ranges::copy(f.trial, f.committed.begin());
+  _knows_history = false;
 }
 
 std::size_t PointHistory::find(const std::string& name) const
@@ -112,11 +129,12 @@ void PointHistory::set_values(std::size_t field, std::span<const double> values)
       for (int c = 0; c < f.num_components; ++c)
         f.committed[entry(f, lane, q, c)] = values[cell * per_cell + std::size_t(q) * f.num_components + c];
   }
-  _evaluated = false;
+  _evaluated = _knows_history = false;
 }
 
 state::State PointHistory::state(const std::string& name)
 {
+  _knows_history = false; // what the state refers to may be set
   state::State out(name);
   for (Field& f : _fields)
     if (f.is_history)

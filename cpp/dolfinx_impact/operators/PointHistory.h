@@ -32,7 +32,7 @@ public:
   /// changes.
   void commit();
   /// Forget the last evaluation.
-  void revert() { _evaluated = false; }
+  void revert() { _evaluated = _knows_history = false; }
 
   /// Evaluations overwrite committed values from now on, or no longer. A trial evaluation or snapshot is forgotten.
   void set_in_place(bool in_place);
@@ -79,10 +79,15 @@ public:
   {
     return _fields[field].committed.data() + batch * _fields[field].batch_size;
   }
+  /// Committed values of all batches, for kernels that work in place: they overwrite them, and keep `has_history`.
+  double* overwritten(std::size_t field) { return _fields[field].committed.data(); }
+  /// Of each batch whether a committed value may be other than +0.
+  unsigned char* has_history();
   /// Place of the trial values of a batch.
   double* trial(std::size_t field, std::size_t batch)
   {
     Field& f = _fields[field];
+    _has_history[batch] = 1;
     return (f.is_history && !_in_place ? f.trial : f.committed).data() + batch * f.batch_size;
   }
   /// Entries of a batch: num_points * num_components * width.
@@ -106,6 +111,8 @@ private:
   int _num_points, _width;
   std::size_t _num_batches;
   std::vector<Field> _fields;
+  std::vector<unsigned char> _has_history; ///< of each batch
+  bool _knows_history = false;             ///< has nothing but kernels changed committed values since it was found?
   bool _in_place = false, _has_snapshot = false;
   bool _evaluated = false; ///< are the trial values those of an evaluation since the last commit?
 };
