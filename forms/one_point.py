@@ -35,6 +35,52 @@ def _sum(terms):
     return first
 
 
+class CellCoefficients:
+    """A field of a cell by its coefficients, in the place of a function: UFL differentiates by them.
+
+    Args:
+        values: vector of the coefficients, in the order of `of`.
+        dim: dimension [1].
+    """
+
+    def __init__(self, values, dim):
+        self._values, self._dim = values, dim
+
+    @staticmethod
+    def number(dim):
+        """Number of coefficients but the mean."""
+        return dim * (2**dim - 1)
+
+    @staticmethod
+    def of(u, dim):
+        """Coefficients of a field: u_i, u_ij for i < j, and in space u_123, the components fastest."""
+        derivatives = [reference_derivatives(u, order) for order in range(1, dim + 1)]
+        return [derivatives[len(axes) - 1][k, *axes] for axes in CellCoefficients._axes(dim) for k in range(dim)]
+
+    @staticmethod
+    def _axes(dim):
+        return [axes for order in range(1, dim + 1) for axes in itertools.combinations(range(dim), order)]
+
+    def derivatives(self, order):
+        """Derivatives by the reference coordinates at the centre, as `reference_derivatives`."""
+        dim, found = self._dim, {}
+        for n, axes in enumerate(self._axes(dim)):
+            for k in range(dim):
+                found[k, axes] = self._values[dim * n + k]
+
+        def tensor(k, axes):
+            if len(axes) == order:
+                return found[k, tuple(sorted(axes))] if len(set(axes)) == order else 0
+            return [tensor(k, (*axes, i)) for i in range(dim)]
+
+        return ufl.as_tensor([tensor(k, ()) for k in range(dim)])
+
+
+def _derivatives(field, order):
+    """Derivatives of a field by the reference coordinates."""
+    return field.derivatives(order) if isinstance(field, CellCoefficients) else reference_derivatives(field, order)
+
+
 class OnePointCell:
     """Mean gradients and hourglass modes of fields on the cells of a mesh, at the centre of its cells.
 
@@ -99,10 +145,10 @@ class OnePointCell:
     def _factors(self, u):
         """Pairs of a coefficient of a field's components and its factors, by direction, in volume times mean
         gradient."""
-        first = reference_derivatives(u, 1)
+        first = _derivatives(u, 1)
         pairs = [([first[k, i] for k in range(self.dim)], [f[i] for f in self._linear]) for i in range(self.dim)]
         if self.dim == 3:
-            second = reference_derivatives(u, 2)
+            second = _derivatives(u, 2)
             for i in range(3):
                 j, n = (a for a in range(3) if a != i)
                 pairs.append(([second[k, j, n] for k in range(3)], [f[i] for f in self._bilinear]))
@@ -126,10 +172,10 @@ class OnePointCell:
 
     def modes_of(self, u):
         """Coefficients of a field with two factors z, by pair of axes, and in space the one with three under None."""
-        second = reference_derivatives(u, 2)
+        second = _derivatives(u, 2)
         found = {(i, j): ufl.as_vector([second[k, i, j] for k in range(self.dim)]) for i, j in self.modes}
         if self.dim == 3:
-            third = reference_derivatives(u, 3)
+            third = _derivatives(u, 3)
             found[None] = ufl.as_vector([third[k, 0, 1, 2] for k in range(3)])
         return found
 
@@ -139,6 +185,30 @@ class OnePointCell:
         if self.dim == 3:
             found[None] = ufl.as_vector([self._x[2][k, 0, 1, 2] for k in range(3)])
         return found
+
+    def hourglass(self, u):
+        """Hourglass modes of a field by pair of axes, and in space that with three factors z under None."""
+        mean, modes, x = self.mean_gradient(u), self.modes_of(u), self.position_modes()
+        return {m: modes[m] - mean * x[m] for m in modes}
+
+    def virtual_work(self, stress, on_modes, on_mean, v):
+        """Integrand of the virtual work of a stress and of forces on the modes, per volume.
+
+        Args:
+            stress: conjugate of the mean gradient; components in the plane count [F/L^2].
+            on_modes: conjugates of the modes, vectors by mode [F/L].
+            on_mean: more of the stress, dim x dim, or None [F/L^2].
+            v: test function.
+        """
+        dim, x = self.dim, self.position_modes()
+        plane = ufl.as_tensor([[stress[i, j] for j in range(dim)] for i in range(dim)])
+        total = plane - _sum([ufl.outer(f, x[m]) for m, f in on_modes.items()])
+        if on_mean is not None:
+            total = total + on_mean
+        modes = self.modes_of(v)
+        work = self.work(total, v)
+        work += _sum([modes[m][k] * (f[k] * self.volume) for m, f in on_modes.items() for k in range(dim)])
+        return self.integrand(work)
 
 
 class OnePointBody:
@@ -196,15 +266,15 @@ class OnePointBody:
         found = {}
         for k in range(dim):
             others = [i for i in range(dim) if i != k]
-            strain = {i: s[i] * amplitude[_pair(i, k), i] for i in others}
+            strain = {i: s[i] * amplitude[pair(i, k), i] for i in others}
             for i in others:
                 coupled = sum(law.nu * strain[j] for j in others if j != i)
-                found[_pair(i, k), i] = SQUARE * self._plate * s[i] * (strain[i] + coupled)
+                found[pair(i, k), i] = SQUARE * self._plate * s[i] * (strain[i] + coupled)
         if dim == 3:
-            twist = [amplitude[_pair(*(j for j in range(3) if j != i)), i] for i in range(3)]
+            twist = [amplitude[pair(*(j for j in range(3) if j != i)), i] for i in range(3)]
             for i in range(3):
                 shear = sum(s[j] * (twist[i] + twist[j]) for j in range(3) if j != i)
-                found[_pair(*(j for j in range(3) if j != i)), i] = SQUARE * law.mu * s[i] * shear
+                found[pair(*(j for j in range(3) if j != i)), i] = SQUARE * law.mu * s[i] * shear
                 found[None, i] = SQUARE**2 * law.E * s[i] * s[i] * amplitude[None, i]
         return found
 
@@ -239,29 +309,16 @@ class OnePointBody:
             turning = _sum([ufl.outer(on_axes[i], self.cell.axes[i]) for i in range(dim)])
         return on_modes, turning
 
-    def _virtual_work(self, stress, on_modes, turning, v):
-        """Integrand of the virtual work of a stress and of forces on the modes."""
-        dim = self.cell.dim
-        plane = ufl.as_tensor([[stress[i, j] for j in range(dim)] for i in range(dim)])
-        total = plane - _sum([ufl.outer(f, self._x[m]) for m, f in on_modes.items()])
-        if turning is not None:
-            total = total + turning
-        modes = self.cell.modes_of(v)
-        volume = self.cell.volume
-        work = self.cell.work(total, v)
-        work += _sum([modes[m][k] * (f[k] * volume) for m, f in on_modes.items() for k in range(dim)])
-        return self.cell.integrand(work)
-
     def force(self, u, v):
         """Integrand of the internal virtual work at the centre."""
-        return self._virtual_work(self.law.stress(u), *self._forces(*self._hourglass(u)), v)
+        return self.cell.virtual_work(self.law.stress(u), *self._forces(*self._hourglass(u)), v)
 
     def tangent(self, u, du, v):
         """Integrand of its derivative at u in the direction du."""
         if self._small:
-            return self._virtual_work(self.law.stress(du), *self._forces(*self._hourglass(du)), v)
+            return self.cell.virtual_work(self.law.stress(du), *self._forces(*self._hourglass(du)), v)
         forces = self._forces(*self._hourglass(u), self._hourglass(du))
-        return self._virtual_work(self.law.stress_derivative(u, du), *forces, v)
+        return self.cell.virtual_work(self.law.stress_derivative(u, du), *forces, v)
 
     def energy_density(self, u):
         """Strain energy of the mean gradient, per volume."""
@@ -275,7 +332,8 @@ class OnePointBody:
         return _sum([force[key] * amplitude[key] for key in force]) / 2
 
 
-def _pair(i, j):
+def pair(i, j):
+    """Name of the mode with the factors z_i and z_j."""
     return (min(i, j), max(i, j))
 
 
@@ -303,8 +361,13 @@ def tangent(u, du, v, law, dx):
 
 def internal_energy(u, law, dx):
     """Strain energy, that of the hourglass modes included [F L]."""
+    return energy_density(u, law) * _measure(dx)
+
+
+def energy_density(u, law):
+    """Integrand of `internal_energy`."""
     body = OnePointBody(ufl.domain.extract_unique_domain(u), law)
-    return body.cell.integrand(body.cell.volume * (body.energy_density(u) + body.hourglass_density(u))) * _measure(dx)
+    return body.cell.integrand(body.cell.volume * (body.energy_density(u) + body.hourglass_density(u)))
 
 
 def hourglass_energy(u, law, dx):
