@@ -18,7 +18,6 @@ from ufl.algorithms import expand_derivatives
 
 from .cell_maximum import has_maximum
 from .inelastic import UNKNOWN, Kinematics, PointResponse, Symbols, internal_force
-from .reference_derivatives import constants_for
 
 DIRECTION = "direction of the tangent"  # of operators/CellMatrix.h: coefficient in the place of the trial function
 LARGEST_INVERSE = 3  # UFL has closed forms of the inverse up to this size
@@ -82,7 +81,6 @@ def consistent_tangent(
     Raises:
         ValueError: the stress has a maximum over a cell.
     """
-    u, du, replaced, variable = kinematics.linearised(u, du)
     update = kinematics.respond(response, u, symbols)
     if any(has_maximum(e) for e in (update.stress, update.residual) if e is not None):
         raise ValueError(
@@ -90,18 +88,10 @@ def consistent_tangent(
             "Take ufl.cell_avg, or use the maximum of the committed history, or an ExplicitProblem"
         )
     force, x = internal_force(u, v, kinematics, update, dx), symbols.unknown
-    residual = update.residual
-    constants: dict[Any, Any] = {}
-    if replaced:
-        constants = constants_for([force, du] if residual is None else [force, du, residual])
-        force, du = ufl.replace(force, constants), ufl.replace(du, constants)
-        residual = None if residual is None else ufl.replace(residual, constants)
-    tangent = ufl.derivative(force, variable, du)
+    tangent = ufl.derivative(force, u, du)
     if x is not None:
-        tangent += ufl.derivative(force, x, unknown_derivative(residual, x, variable, du))
-    if not replaced:
-        return tangent
-    return ufl.replace(expand_derivatives(tangent), replaced | {c: e for e, c in constants.items()})
+        tangent += ufl.derivative(force, x, unknown_derivative(update.residual, x, u, du))
+    return tangent
 
 
 def names_of(symbols: Symbols, du: Any) -> dict[Any, str]:

@@ -56,13 +56,22 @@ class Flow:
         stress: von Mises' equivalent of the stress at which the law flows, positive; it may be that at the beginning of
             the step [F/L^2].
         increment: increment of the equivalent plastic strain in the step, zero where it is elastic [1].
+        slope: derivative of the flow stress by the equivalent plastic strain, negative where it falls; kinematic
+            hardening counts [F/L^2].
         direction: direction of the flow in space, deviatoric, of the equivalent 1: 3/2 s/q(s), 3 x 3; None: along the
             deviator of the stress [1].
+        left: share of the trial stress's deviator that a radial return leaves, 1 where the step is elastic; None:
+            stress/(stress + 3 mu increment) [1].
+        yields: UFL condition whether the step is plastic; None: it is not known. Where it is that of a conditional in
+            the stress, kernels skip what only flow needs.
     """
 
     stress: Any
     increment: Any
+    slope: Any = 0
     direction: Any = None
+    left: Any = None
+    yields: Any = None
 
 
 @dataclass
@@ -307,16 +316,6 @@ class Kinematics:
         """Virtual work per volume of the reference cell's measure, of kinematics that have an expression of their own;
         None: it is that of the stress and `virtual_strain`."""
         return None
-
-    def linearised(self, u: Any, du: Any) -> tuple[Any, Any, dict[Any, Any], Any]:
-        """What consistent tangents are made of: a displacement in the place of u, the direction du in that form, what
-        replaces coefficients when the derivative has been taken, and the coefficient to differentiate by.
-
-        Args:
-            u: displacement [L].
-            du: its direction [L].
-        """
-        return u, du, {}, u
 
     def elastic_tangent(self, u: Any, du: Any, v: Any) -> Any:
         """As `virtual_work`, of the elastic solid's stiffness; None: it is that of `elastic_work`."""

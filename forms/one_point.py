@@ -35,52 +35,6 @@ def _sum(terms):
     return first
 
 
-class CellCoefficients:
-    """A field of a cell by its coefficients, in the place of a function: UFL differentiates by them.
-
-    Args:
-        values: vector of the coefficients, in the order of `of`.
-        dim: dimension [1].
-    """
-
-    def __init__(self, values, dim):
-        self._values, self._dim = values, dim
-
-    @staticmethod
-    def number(dim):
-        """Number of coefficients but the mean."""
-        return dim * (2**dim - 1)
-
-    @staticmethod
-    def of(u, dim):
-        """Coefficients of a field: u_i, u_ij for i < j, and in space u_123, the components fastest."""
-        derivatives = [reference_derivatives(u, order) for order in range(1, dim + 1)]
-        return [derivatives[len(axes) - 1][k, *axes] for axes in CellCoefficients._axes(dim) for k in range(dim)]
-
-    @staticmethod
-    def _axes(dim):
-        return [axes for order in range(1, dim + 1) for axes in itertools.combinations(range(dim), order)]
-
-    def derivatives(self, order):
-        """Derivatives by the reference coordinates at the centre, as `reference_derivatives`."""
-        dim, found = self._dim, {}
-        for n, axes in enumerate(self._axes(dim)):
-            for k in range(dim):
-                found[k, axes] = self._values[dim * n + k]
-
-        def tensor(k, axes):
-            if len(axes) == order:
-                return found[k, tuple(sorted(axes))] if len(set(axes)) == order else 0
-            return [tensor(k, (*axes, i)) for i in range(dim)]
-
-        return ufl.as_tensor([tensor(k, ()) for k in range(dim)])
-
-
-def _derivatives(field, order):
-    """Derivatives of a field by the reference coordinates."""
-    return field.derivatives(order) if isinstance(field, CellCoefficients) else reference_derivatives(field, order)
-
-
 class OnePointCell:
     """Mean gradients and hourglass modes of fields on the cells of a mesh, at the centre of its cells.
 
@@ -145,10 +99,10 @@ class OnePointCell:
     def _factors(self, u):
         """Pairs of a coefficient of a field's components and its factors, by direction, in volume times mean
         gradient."""
-        first = _derivatives(u, 1)
+        first = reference_derivatives(u, 1)
         pairs = [([first[k, i] for k in range(self.dim)], [f[i] for f in self._linear]) for i in range(self.dim)]
         if self.dim == 3:
-            second = _derivatives(u, 2)
+            second = reference_derivatives(u, 2)
             for i in range(3):
                 j, n = (a for a in range(3) if a != i)
                 pairs.append(([second[k, j, n] for k in range(3)], [f[i] for f in self._bilinear]))
@@ -172,10 +126,10 @@ class OnePointCell:
 
     def modes_of(self, u):
         """Coefficients of a field with two factors z, by pair of axes, and in space the one with three under None."""
-        second = _derivatives(u, 2)
+        second = reference_derivatives(u, 2)
         found = {(i, j): ufl.as_vector([second[k, i, j] for k in range(self.dim)]) for i, j in self.modes}
         if self.dim == 3:
-            third = _derivatives(u, 3)
+            third = reference_derivatives(u, 3)
             found[None] = ufl.as_vector([third[k, 0, 1, 2] for k in range(3)])
         return found
 

@@ -11,20 +11,22 @@ with the matrix D of a plate in plane stress. A step in which the law flows by d
 through three parts, each in closed form:
 
 1. along n, fibres flow together with the mean, as long as those at the faces do not stop: |d e_k^p| <= 2 da n;
-2. across n, the linearised radial return divides what is left by 1 + 3 mu da / Y;
-3. the moments end at those of a section that flows all through: von Mises' equivalent of m_k at Y/4, m_123,i at Y/16.
+2. across n, the linearised radial return leaves the share Y/(Y + 3 mu da) of them;
+3. the moments end at those of sections that flow all through, Y/4 of a plate and Y/16 of a twist: with von Mises'
+   equivalent q, sum_k q(m_k)^2 + 16 sum_i m_123,i^2 is (Y/4)^2 at most.
 
 In finite strain the modes are measured by the present lengths of the axes a_i = mean(F) x_i.
 """
 
+import math
 from dataclasses import dataclass
 from typing import Any
 
 import ufl
 
-from .inelastic import Flow, Kinematics, PointResponse, Symbols, Update, elastic_work, quadrature_element
+from .inelastic import Flow, Kinematics, PointResponse, Symbols, Update, elastic_work
 from .materials import Law
-from .one_point import CELLS, HYPOTHESES, METADATA, SQUARE, CellCoefficients, OnePointCell, pair
+from .one_point import CELLS, HYPOTHESES, SQUARE, OnePointCell, pair
 
 HOURGLASS_STRAIN = "hourglass_strain"  # plastic part of the strains of the modes, a vector [1]
 PLATE_LIMIT, TWIST_LIMIT = 1 / 4, 1 / 16  # means of |z| over z in (-1/2, 1/2) and of |z_j z_k|: full plastic moments
@@ -95,7 +97,10 @@ class Modes:
         gradient = cell.mean_gradient(u)
         self.axes = [a + gradient * a for a in cell.axes] if finite_strain else cell.axes
         if finite_strain:
-            self._r = [1 / ufl.sqrt(ufl.dot(a, a)) for a in self.axes]
+            # One division: the reciprocal of the product.
+            lengths = [ufl.sqrt(ufl.dot(a, a)) for a in self.axes]
+            reciprocal = 1 / math.prod(lengths)
+            self._r = [math.prod(lengths[:i] + lengths[i + 1 :]) * reciprocal for i in range(len(lengths))]
             self.s = [r**2 for r in self._r]
         else:
             self.s = [1 / ufl.dot(a, a) for a in self.axes]
@@ -159,8 +164,10 @@ class Modes:
             m = moment[k, i]
             if i is None:
                 a, b = (n for n in range(3) if n != k)
-                products[pair(b, k), a] = products[pair(a, k), b] = m * self.shear_scale(k)
-                for axis in (a, b):
+                shear = m * self.shear_scale(k)
+                for axis, other in ((a, b), (b, a)):
+                    key = pair(other, k), axis  # in the shear of two plates
+                    products[key] = products.get(key, 0) + shear
                     stretched[axis] = stretched[axis] + m * self.strain[k, i]
             else:
                 products[None if k is None else pair(i, k), i] = m * self.s[i]
@@ -197,7 +204,7 @@ class OnePointKinematics(Kinematics):
                 f"{', '.join(HYPOTHESES)}"
             )
         super().__init__(elastic.hypothesis, finite_strain)
-        self.mesh, self.elastic, self.cell = mesh, elastic, OnePointCell(mesh)
+        self.elastic, self.cell = elastic, OnePointCell(mesh)
         E, nu = elastic.E, elastic.nu
         self._plate = E if elastic.hypothesis == "plane_stress" else E / (1 - nu**2)
 
@@ -222,8 +229,8 @@ class OnePointKinematics(Kinematics):
         if own.flow is None:
             raise ValueError(
                 "integration='reduced' needs the stress at which a law flows, where its hourglass modes give way: "
-                "return MaterialUpdate(..., flow=Flow(stress=Y, increment=da)) with the flow stress Y [F/L^2] and the "
-                "increment da of the equivalent plastic strain [1], or take integration='full'"
+                "return MaterialUpdate(..., flow=MaterialFlow(stress=Y, increment=da)) with the flow stress Y [F/L^2] "
+                "and the increment da of the equivalent plastic strain [1], or take integration='full'"
             )
         modes = self.modes(u)
         before = {key: history[HOURGLASS_STRAIN][n] for n, key in enumerate(modes.keys)}
@@ -231,8 +238,9 @@ class OnePointKinematics(Kinematics):
         direction = own.flow.direction
         if direction is None:
             direction = self._direction(own, strain)
-        plastic, moment = self._return(modes, trial, own.flow, direction)
+        plastic = self._return(modes, trial, before, own.flow, direction)
         left = {key: trial[key] - plastic[key] for key in modes.keys}
+        moment = self._moments(left)
         energy = sum(moment[key] * left[key] for key in modes.keys) / 2
         outputs = {**own.outputs, HOURGLASS_STRAIN: ufl.as_vector([before[key] + plastic[key] for key in modes.keys])}
         return OnePointUpdate(
@@ -306,30 +314,44 @@ class OnePointKinematics(Kinematics):
         return found
 
     def _return(
-        self, modes: Modes, trial: dict[Any, Any], flow: Flow, direction: Any
-    ) -> tuple[dict[Any, Any], dict[Any, Any]]:
-        """Plastic increments of the strains of the modes, and their moments at the end of the step."""
-        law, Y = self.elastic, flow.stress
-        plastic: dict[Any, Any] = {}
-        moment: dict[Any, Any] = {}
-        relaxed = 1 / (1 + 3 * law.mu * flow.increment / Y)
+        self, modes: Modes, trial: dict[Any, Any], before: dict[Any, Any], flow: Flow, direction: Any
+    ) -> dict[Any, Any]:
+        """Plastic increments of the strains of the modes.
+
+        Args:
+            modes: the modes.
+            trial: their elastic strains, if the step is elastic.
+            before: their plastic strains.
+            flow: flow of the law.
+            direction: its direction.
+        """
+        law, Y, dim = self.elastic, flow.stress, self.cell.dim
+        left = Y / (Y + 3 * law.mu * flow.increment) if flow.left is None else flow.left
         most = flow.increment / FACE
-        for k in range(self.cell.dim):
-            along = self._along(modes, direction, k)
-            of_along, first = self._plate_moments(along, k), self._plate_moments(trial, k)
-            stiffness = sum(along[key] * of_along[key] for key in along) + NO_FLOW * law.E
-            wanted = sum(along[key] * first[key] for key in along) / stiffness
-            step = ufl.max_value(ufl.min_value(wanted, most), -most)
-            second = {key: relaxed * (first[key] - step * of_along[key]) for key in along}
-            share = relaxed * _limited(self._equivalent_square(second, k), PLATE_LIMIT * Y)
-            for key in along:
-                plastic[key] = (1 - share) * trial[key] + share * step * along[key]
-                moment[key] = share * (first[key] - step * of_along[key])
-        for k in range(3 if self.cell.dim == 3 else 0):
-            twist = SQUARE**2 * law.E * trial[None, k]
-            share = relaxed * _limited((relaxed * twist) ** 2, TWIST_LIMIT * Y)
-            plastic[None, k], moment[None, k] = (1 - share) * trial[None, k], share * twist
-        return plastic, moment
+        along = [self._along(modes, direction, k) for k in range(dim)]
+        of_along = [self._plate_moments(along[k], k) for k in range(dim)]
+        # With back moments of hardening/E D e^p / 12, as of linear kinematic hardening.
+        hardening = ufl.max_value(flow.slope, 0) / law.E
+        relative = {key: trial[key] - hardening * before[key] for key in modes.keys}
+        moment = self._moments(relative)
+        stiffness = [sum(a[key] * m[key] for key in a) + NO_FLOW * law.E for a, m in zip(along, of_along)]
+        # One division: the reciprocal of the product.
+        reciprocal = 1 / math.prod(stiffness)
+        step: dict[Any, Any] = {}  # along the flow
+        for k in range(dim):
+            others = math.prod(stiffness[:k] + stiffness[k + 1 :])
+            wanted = sum(along[k][key] * moment[key] for key in along[k]) * (others * reciprocal)
+            flowing = ufl.max_value(ufl.min_value(wanted, most), -most)
+            if flow.yields is not None:
+                flowing = ufl.conditional(flow.yields, flowing, 0)
+            step |= {key: flowing * along[k][key] for key in along[k]}
+            moment |= {key: moment[key] - flowing * of_along[k][key] for key in along[k]}
+        square = sum(self._equivalent_square(moment, k) for k in range(dim))
+        if dim == 3:
+            square += (PLATE_LIMIT / TWIST_LIMIT) ** 2 * sum(moment[None, i] ** 2 for i in range(dim))
+        share = left * _limited(left**2 * square, PLATE_LIMIT * Y)
+        shorter = 1 / (1 + hardening)
+        return {key: shorter * ((1 - share) * relative[key] + share * step.get(key, 0)) for key in modes.keys}
 
     def virtual_work(self, u: Any, v: Any, update: Update) -> Any:
         """Integrand of the virtual work of an update of `respond`."""
@@ -343,16 +365,6 @@ class OnePointKinematics(Kinematics):
         moment, virtual = self._moments(modes.derivative(du)), modes.derivative(v)
         work += sum(moment[key] * virtual[key] for key in modes.keys)
         return self.cell.integrand(self.cell.volume * work)
-
-    def linearised(self, u: Any, du: Any) -> tuple[Any, Any, dict[Any, Any], Any]:
-        """See Kinematics.linearised: UFL does not differentiate derivatives by the reference coordinates."""
-        dim = self.cell.dim
-        cell = str(self.mesh.ufl_cell())
-        shape = (CellCoefficients.number(dim),)
-        degree = METADATA["quadrature_degree"]
-        symbol = ufl.Coefficient(ufl.FunctionSpace(self.mesh, quadrature_element(cell, shape, degree)))
-        values, change = (ufl.as_vector(CellCoefficients.of(w, dim)) for w in (u, du))
-        return CellCoefficients(symbol, dim), change, {symbol: values}, symbol
 
 
 def _limited(square: Any, limit: Any) -> Any:

@@ -306,7 +306,8 @@ class J2:
             start = ufl.as_vector([0, -self.nu / (1 - self.nu) * given])
         scale = iso.yield_stress / (3 * mu)
         start = None if residual is None else start
-        flow = Flow(iso.stress(alpha), ufl.conditional(yields, multiplier, 0), 1.5 / size * relative)
+        slope = iso.slope(alpha) + C
+        flow = Flow(iso.stress(alpha), multiplier, slope, 1.5 / size * relative, 1 - share, yields)
         return Update(stress, outputs, stored, residual, start, scale, mean, start_error=start_error, flow=flow)
 
     def _trial(self, F: Any, J: Any, history: dict[str, Any], trace: Any) -> "_Trial":
@@ -425,5 +426,5 @@ class J2:
         if back is not None:  # of the frame that R = F U^-1 turns
             R = at.unimodular * turned
             direction = R * direction * R.T
-        flow = Flow(iso.stress(alpha), ufl.conditional(yields, multiplier, 0), direction)
+        flow = Flow(iso.stress(alpha), multiplier, iso.slope(alpha) + C, direction, share, yields)
         return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, parts, start_error, flow)

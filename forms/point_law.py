@@ -21,7 +21,7 @@ import ufl
 from ufl.algorithms import expand_derivatives
 from ufl.core.expr import Expr
 
-from .reference_derivatives import constants_for
+from .reference_derivatives import constants_for_positions
 
 
 def flatten(expression: Expr) -> list[Expr]:
@@ -158,7 +158,7 @@ class PointLaw:
         if self.unknown is None:
             return []
         assert self.residual is not None
-        x, constants = ufl.variable(self.unknown), constants_for([self.residual], positions_alone=True)
+        x, constants = ufl.variable(self.unknown), constants_for_positions(self.residual)
         derivative = ufl.diff(ufl.replace(self.residual, {self.unknown: x, **constants}), x)
         if constants:
             derivative = ufl.replace(expand_derivatives(derivative), {c: e for e, c in constants.items()})

@@ -58,36 +58,23 @@ def reference_derivatives(field: Any, order: int) -> Any:
     return value
 
 
-def constants_for(expressions: Any, positions_alone: bool = False) -> dict[Any, ufl.Constant]:
-    """Constants in the place of derivatives by the reference coordinates, which UFL does not differentiate.
-
-    `ufl.replace` puts them in, and after the derivatives have been taken the other way round.
+def constants_for_positions(expression: Any) -> dict[Any, ufl.Constant]:
+    """Constants in the place of derivatives of the position by the reference coordinates, which UFL's derivative by a
+    variable refuses. `ufl.replace` puts them in, and after the derivative has been taken the other way round.
 
     Args:
-        expressions: UFL expressions or forms.
-        positions_alone: whether those of functions stay.
+        expression: UFL expression.
 
     Returns:
-        Constant of each derivative, of highest order where it is a derivative of a derivative.
+        Constant of each derivative, of those of higher orders, too.
     """
     found: dict[Any, ufl.Constant] = {}
-
-    def visit(o: Any, seen: set[Any]) -> None:
-        if o in seen:
-            return
-        seen.add(o)
+    for o in unique_pre_traversal(expression):
         if not isinstance(o, ReferenceGrad):
-            for operand in o.ufl_operands:
-                visit(operand, seen)
-            return
+            continue
         root = o
         while isinstance(root, ReferenceGrad):
             (root,) = root.ufl_operands
-        if not positions_alone or isinstance(root, ufl.SpatialCoordinate):
+        if isinstance(root, ufl.SpatialCoordinate):
             found[o] = ufl.Constant(ufl.domain.extract_unique_domain(o), shape=o.ufl_shape)
-
-    seen: set[Any] = set()
-    for expression in expressions:
-        for e in [i.integrand() for i in expression.integrals()] if isinstance(expression, ufl.Form) else [expression]:
-            visit(e, seen)
     return found

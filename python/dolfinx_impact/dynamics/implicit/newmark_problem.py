@@ -291,7 +291,7 @@ class NewmarkProblem(TransientProblem):
         self.stepper = ImplicitStepper(
             self._cpp_object, self.comm, u, self.velocity, material, self.inputs, self.read, self.evaluates
         )
-        self._hourglass = HourglassEnergy(u, material, self._material_history)
+        self._hourglass = HourglassEnergy(u, material)
         self._restart = ImplicitRestart(in_time(self), self, self._set_energy)
         self._set_energy()
         self._warn_of_small_steps()
