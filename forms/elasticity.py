@@ -14,8 +14,15 @@ def internal_energy(u, law, dx=ufl.dx):
     """Strain energy, integral of psi(u), that of hourglass modes included [F L]."""
     if law.integration == "reduced":
         return one_point.internal_energy(u, law, dx)
+    return energy_integrand(u, law) * dx
+
+
+def energy_integrand(u, law):
+    """Integrand of `internal_energy`."""
+    if law.integration == "reduced":
+        return one_point.energy_density(u, law)
     mesh = ufl.domain.extract_unique_domain(u)
-    return law.energy_density(u) * weight(mesh, law.hypothesis) * dx
+    return law.energy_density(u) * weight(mesh, law.hypothesis)
 
 
 def internal_force(u, v, law, dx=ufl.dx):

@@ -48,6 +48,32 @@ class Kirchhoff:
     inverse: Any
 
 
+@dataclass(frozen=True)
+class Flow:
+    """Plastic flow of a law in a step: what hourglass modes of cells with one point give way by (one_point_flow.py).
+
+    Attributes:
+        stress: von Mises' equivalent of the stress at which the law flows, positive; it may be that at the beginning of
+            the step [F/L^2].
+        increment: increment of the equivalent plastic strain in the step, zero where it is elastic [1].
+        slope: derivative of the flow stress by the equivalent plastic strain, negative where it falls; kinematic
+            hardening counts [F/L^2].
+        direction: direction of the flow in space, deviatoric, of the equivalent 1: 3/2 s/q(s), 3 x 3; None: along the
+            deviator of the stress [1].
+        left: share of the trial stress's deviator that a radial return leaves, 1 where the step is elastic; None:
+            stress/(stress + 3 mu increment) [1].
+        yields: UFL condition whether the step is plastic; None: it is not known. Where it is that of a conditional in
+            the stress, kernels skip what only flow needs.
+    """
+
+    stress: Any
+    increment: Any
+    slope: Any = 0
+    direction: Any = None
+    left: Any = None
+    yields: Any = None
+
+
 @dataclass
 class Update:
     """What a law computes at a point from strain, committed history and unknowns.
@@ -68,6 +94,7 @@ class Update:
         strain: deformation gradient of finite strain where the law finds a part of it, as the stretch across the plane
             in plane stress, 3 x 3; None: the one that it was given [1].
         kirchhoff: what `piola` is made of, or None. It does not count where it is of another `piola`.
+        flow: what cells with one point ask for (integration="reduced"); None: the law is not for them.
     """
 
     stress: Any
@@ -81,6 +108,7 @@ class Update:
     strain: Any = None
     kirchhoff: Kirchhoff | None = None
     start_error: Any = None
+    flow: Flow | None = None
 
 
 def trace(strain: Any) -> Any:
@@ -284,6 +312,15 @@ class Kinematics:
         """
         return response.respond(self.strain(u), dict(symbols.history), symbols.unknown)
 
+    def virtual_work(self, u: Any, v: Any, update: Update) -> Any:
+        """Virtual work per volume of the reference cell's measure, of kinematics that have an expression of their own;
+        None: it is that of the stress and `virtual_strain`."""
+        return None
+
+    def elastic_tangent(self, u: Any, du: Any, v: Any) -> Any:
+        """As `virtual_work`, of the elastic solid's stiffness; None: it is that of `elastic_work`."""
+        return None
+
     def virtual_strain(self, u: Any, v: Any, theta: Any = None, theta_v: Any = None) -> Any:
         """Derivative of `strain` in the direction v.
 
@@ -377,6 +414,9 @@ class DeformedCell(Kinematics):
 
 def internal_force(u: Any, v: Any, kinematics: Kinematics, update: Update, dx: Any) -> Any:
     """Internal virtual work, integral of stress : virtual strain."""
+    own = kinematics.virtual_work(u, v, update)
+    if own is not None:
+        return own * dx
     mesh = ufl.domain.extract_unique_domain(u)
     virtual = kinematics.virtual_strain(u, v)
     small = kinematics.average and not kinematics.finite_strain
@@ -501,14 +541,34 @@ def elastic_tangent(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics, d
         kinematics: strains that the inelastic law sees.
         dx: measure of the cells.
     """
+    own = kinematics.elastic_tangent(u, du, v)
+    if own is not None:
+        return own * dx
     if not kinematics.finite_strain:
         return elasticity.tangent(u, du, v, law, dx)
     mesh = ufl.domain.extract_unique_domain(v)
+    return elastic_work(u, du, v, law, kinematics) * weight(mesh, kinematics.hypothesis) * dx
+
+
+def elastic_work(u: Any, du: Any, v: Any, law: Law, kinematics: Kinematics) -> Any:
+    """Virtual work per volume of `elastic_tangent`.
+
+    Args:
+        u: displacement [L].
+        du: trial function.
+        v: test function.
+        law: linear elastic law of the hypothesis.
+        kinematics: strains that the inelastic law sees.
+    """
+    plane_stress = kinematics.hypothesis == "plane_stress"
+    lmbda = law.lmbda_plane if plane_stress else law.lmbda
+    if not kinematics.finite_strain:
+        a, b = (ufl.sym(kinematics.gradient(w)) for w in (du, v))
+        return lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
     F = ufl.Identity(3) + kinematics.gradient(u)
     inverse = ufl.inv(F)
     a, b = (ufl.sym(kinematics.gradient(w) * inverse) for w in (du, v))
-    lmbda, J = law.lmbda, ufl.det(F)
-    if kinematics.hypothesis == "plane_stress":
-        lmbda, J = law.lmbda_plane, ufl.max_value(J, 1)
-    work = lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)
-    return work * J * weight(mesh, kinematics.hypothesis) * dx
+    J = ufl.det(F)
+    if plane_stress:
+        J = ufl.max_value(J, 1)
+    return (lmbda * ufl.tr(a) * ufl.tr(b) + 2 * law.mu * ufl.inner(a, b)) * J

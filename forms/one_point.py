@@ -140,6 +140,30 @@ class OnePointCell:
             found[None] = ufl.as_vector([self._x[2][k, 0, 1, 2] for k in range(3)])
         return found
 
+    def hourglass(self, u):
+        """Hourglass modes of a field by pair of axes, and in space that with three factors z under None."""
+        mean, modes, x = self.mean_gradient(u), self.modes_of(u), self.position_modes()
+        return {m: modes[m] - mean * x[m] for m in modes}
+
+    def virtual_work(self, stress, on_modes, on_mean, v):
+        """Integrand of the virtual work of a stress and of forces on the modes, per volume.
+
+        Args:
+            stress: conjugate of the mean gradient; components in the plane count [F/L^2].
+            on_modes: conjugates of the modes, vectors by mode [F/L].
+            on_mean: more of the stress, dim x dim, or None [F/L^2].
+            v: test function.
+        """
+        dim, x = self.dim, self.position_modes()
+        plane = ufl.as_tensor([[stress[i, j] for j in range(dim)] for i in range(dim)])
+        total = plane - _sum([ufl.outer(f, x[m]) for m, f in on_modes.items()])
+        if on_mean is not None:
+            total = total + on_mean
+        modes = self.modes_of(v)
+        work = self.work(total, v)
+        work += _sum([modes[m][k] * (f[k] * self.volume) for m, f in on_modes.items() for k in range(dim)])
+        return self.integrand(work)
+
 
 class OnePointBody:
     """Virtual work, tangent and energy of a law on cells with one point.
@@ -196,15 +220,15 @@ class OnePointBody:
         found = {}
         for k in range(dim):
             others = [i for i in range(dim) if i != k]
-            strain = {i: s[i] * amplitude[_pair(i, k), i] for i in others}
+            strain = {i: s[i] * amplitude[pair(i, k), i] for i in others}
             for i in others:
                 coupled = sum(law.nu * strain[j] for j in others if j != i)
-                found[_pair(i, k), i] = SQUARE * self._plate * s[i] * (strain[i] + coupled)
+                found[pair(i, k), i] = SQUARE * self._plate * s[i] * (strain[i] + coupled)
         if dim == 3:
-            twist = [amplitude[_pair(*(j for j in range(3) if j != i)), i] for i in range(3)]
+            twist = [amplitude[pair(*(j for j in range(3) if j != i)), i] for i in range(3)]
             for i in range(3):
                 shear = sum(s[j] * (twist[i] + twist[j]) for j in range(3) if j != i)
-                found[_pair(*(j for j in range(3) if j != i)), i] = SQUARE * law.mu * s[i] * shear
+                found[pair(*(j for j in range(3) if j != i)), i] = SQUARE * law.mu * s[i] * shear
                 found[None, i] = SQUARE**2 * law.E * s[i] * s[i] * amplitude[None, i]
         return found
 
@@ -239,29 +263,16 @@ class OnePointBody:
             turning = _sum([ufl.outer(on_axes[i], self.cell.axes[i]) for i in range(dim)])
         return on_modes, turning
 
-    def _virtual_work(self, stress, on_modes, turning, v):
-        """Integrand of the virtual work of a stress and of forces on the modes."""
-        dim = self.cell.dim
-        plane = ufl.as_tensor([[stress[i, j] for j in range(dim)] for i in range(dim)])
-        total = plane - _sum([ufl.outer(f, self._x[m]) for m, f in on_modes.items()])
-        if turning is not None:
-            total = total + turning
-        modes = self.cell.modes_of(v)
-        volume = self.cell.volume
-        work = self.cell.work(total, v)
-        work += _sum([modes[m][k] * (f[k] * volume) for m, f in on_modes.items() for k in range(dim)])
-        return self.cell.integrand(work)
-
     def force(self, u, v):
         """Integrand of the internal virtual work at the centre."""
-        return self._virtual_work(self.law.stress(u), *self._forces(*self._hourglass(u)), v)
+        return self.cell.virtual_work(self.law.stress(u), *self._forces(*self._hourglass(u)), v)
 
     def tangent(self, u, du, v):
         """Integrand of its derivative at u in the direction du."""
         if self._small:
-            return self._virtual_work(self.law.stress(du), *self._forces(*self._hourglass(du)), v)
+            return self.cell.virtual_work(self.law.stress(du), *self._forces(*self._hourglass(du)), v)
         forces = self._forces(*self._hourglass(u), self._hourglass(du))
-        return self._virtual_work(self.law.stress_derivative(u, du), *forces, v)
+        return self.cell.virtual_work(self.law.stress_derivative(u, du), *forces, v)
 
     def energy_density(self, u):
         """Strain energy of the mean gradient, per volume."""
@@ -275,7 +286,8 @@ class OnePointBody:
         return _sum([force[key] * amplitude[key] for key in force]) / 2
 
 
-def _pair(i, j):
+def pair(i, j):
+    """Name of the mode with the factors z_i and z_j."""
     return (min(i, j), max(i, j))
 
 
@@ -303,8 +315,13 @@ def tangent(u, du, v, law, dx):
 
 def internal_energy(u, law, dx):
     """Strain energy, that of the hourglass modes included [F L]."""
+    return energy_density(u, law) * _measure(dx)
+
+
+def energy_density(u, law):
+    """Integrand of `internal_energy`."""
     body = OnePointBody(ufl.domain.extract_unique_domain(u), law)
-    return body.cell.integrand(body.cell.volume * (body.energy_density(u) + body.hourglass_density(u))) * _measure(dx)
+    return body.cell.integrand(body.cell.volume * (body.energy_density(u) + body.hourglass_density(u)))
 
 
 def hourglass_energy(u, law, dx):

@@ -30,7 +30,7 @@ from typing import Any
 import ufl
 
 from .hardening import KinematicHardening, VoceHardening, first_increment, first_increment_error
-from .inelastic import Kirchhoff, Update, cofactor, deviator, gradient_and_dilatation, gradient_determinant, trace
+from .inelastic import Flow, Kirchhoff, Update, cofactor, deviator, gradient_and_dilatation, gradient_determinant, trace
 from .materials import lame
 
 PLASTIC_STRAIN = "plastic_strain"  # equivalent plastic strain, a number [1]
@@ -306,7 +306,9 @@ class J2:
             start = ufl.as_vector([0, -self.nu / (1 - self.nu) * given])
         scale = iso.yield_stress / (3 * mu)
         start = None if residual is None else start
-        return Update(stress, outputs, stored, residual, start, scale, mean, start_error=start_error)
+        slope = iso.slope(alpha) + C
+        flow = Flow(iso.stress(alpha), multiplier, slope, 1.5 / size * relative, 1 - share, yields)
+        return Update(stress, outputs, stored, residual, start, scale, mean, start_error=start_error, flow=flow)
 
     def _trial(self, F: Any, J: Any, history: dict[str, Any], trace: Any) -> "_Trial":
         """Trial state of finite strain, at the trace of the stretch where that is an unknown; of any multiple of F,
@@ -420,4 +422,9 @@ class J2:
         start = None if residual is None else start
         full = None if across is None else F
         parts = Kirchhoff(piola, s, turned) if back is None else None
-        return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, parts, start_error)
+        direction = 1.5 / q * relative
+        if back is not None:  # of the frame that R = F U^-1 turns
+            R = at.unimodular * turned
+            direction = R * direction * R.T
+        flow = Flow(iso.stress(alpha), multiplier, iso.slope(alpha) + C, direction, share, yields)
+        return Update(stress, outputs, stored, residual, start, scale, pressure, piola, full, parts, start_error, flow)

@@ -18,7 +18,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import ufl
+from ufl.algorithms import expand_derivatives
 from ufl.core.expr import Expr
+
+from .reference_derivatives import constants_for_positions
 
 
 def flatten(expression: Expr) -> list[Expr]:
@@ -155,8 +158,10 @@ class PointLaw:
         if self.unknown is None:
             return []
         assert self.residual is not None
-        x = ufl.variable(self.unknown)
-        derivative = ufl.diff(ufl.replace(self.residual, {self.unknown: x}), x)
+        x, constants = ufl.variable(self.unknown), constants_for_positions(self.residual)
+        derivative = ufl.diff(ufl.replace(self.residual, {self.unknown: x, **constants}), x)
+        if constants:
+            derivative = ufl.replace(expand_derivatives(derivative), {c: e for e, c in constants.items()})
         return flatten(derivative)
 
     def stored(self, name: str) -> list[Expr]:

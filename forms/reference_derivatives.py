@@ -56,3 +56,25 @@ def reference_derivatives(field: Any, order: int) -> Any:
     for _ in range(order):
         value = ReferenceGrad(value)
     return value
+
+
+def constants_for_positions(expression: Any) -> dict[Any, ufl.Constant]:
+    """Constants in the place of derivatives of the position by the reference coordinates, which UFL's derivative by a
+    variable refuses. `ufl.replace` puts them in, and after the derivative has been taken the other way round.
+
+    Args:
+        expression: UFL expression.
+
+    Returns:
+        Constant of each derivative, of those of higher orders, too.
+    """
+    found: dict[Any, ufl.Constant] = {}
+    for o in unique_pre_traversal(expression):
+        if not isinstance(o, ReferenceGrad):
+            continue
+        root = o
+        while isinstance(root, ReferenceGrad):
+            (root,) = root.ufl_operands
+        if isinstance(root, ufl.SpatialCoordinate):
+            found[o] = ufl.Constant(ufl.domain.extract_unique_domain(o), shape=o.ufl_shape)
+    return found

@@ -63,6 +63,8 @@ PLASTIC = (
     ("quadrilateral", 1, "axisymmetric", ("finite.linear", "finite.voce")),
     ("tetrahedron", 2, "3d", ("small.linear", "finite.linear")),
 )
+# Those with one point.
+PLASTIC_REDUCED = ("j2.small.linear", "j2.finite.linear", "j2.finite.voce")
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,8 @@ def _table() -> tuple[Row, ...]:
                     names += ["body_force", "gravity", "traction", "mass", "row_sum"]
                 rows += [Row(name, cell, 1, 1, hypothesis) for name in names]
     rows += [Row(f"linear_elastic.reduced.{kind}", "hexahedron", 1, 1, "3d") for kind in one_point.KINDS]
-    rows.append(Row("neo_hookean.reduced.force", "hexahedron", 1, 1, "3d"))
+    rows += [Row(f"{law}.reduced.force", "hexahedron", 1, 1, "3d") for law in ("neo_hookean", *PLASTIC_REDUCED)]
+    rows.append(Row(one_point.STIFFNESS, "hexahedron", 1, 1, "3d"))
     for cell, degree, hypothesis, laws in PLASTIC:
         names = [f"j2.{law}.{kind}" for law in laws for kind in ("force", "tangent")]
         if any(law.startswith("finite") for law in laws):

@@ -39,7 +39,7 @@ from .assembly.lumped_mass import lumped_mass
 from .assembly.quadrature_degree import quadrature_degree
 from .assembly.section_force import section_force
 from .forms.cell_maximum import cell_max
-from .inelastic import InelasticMaterial, MaterialUpdate
+from .inelastic import InelasticMaterial, MaterialFlow, MaterialUpdate
 from .materials import LinearElastic, MaterialMap, NeoHookean, Rayleigh, StVenantKirchhoff
 from .plasticity import ArmstrongFrederick, J2Plasticity, Table, Voce
 from .io.deformed_body import DeformedBody
@@ -75,6 +75,7 @@ __all__ = [
     "J2Plasticity",
     "LinearElastic",
     "MILLIMETRES",
+    "MaterialFlow",
     "MaterialMap",
     "MaterialUpdate",
     "NeoHookean",

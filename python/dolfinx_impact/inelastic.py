@@ -9,10 +9,12 @@ from dolfinx.mesh import Mesh
 
 from .forms import inelastic
 from .forms import materials as laws
-from .materials import AVERAGED_STRAIN, REDUCED, _Material
+from .forms.one_point_flow import OnePointKinematics
+from .materials import AVERAGED_STRAIN, FULL, REDUCED, _Material
 
-# What `respond` of a law of one's own returns.
+# What `respond` of a law of one's own returns, and its `flow`.
 MaterialUpdate = inelastic.Update
+MaterialFlow = inelastic.Flow
 
 
 class InelasticMaterial(_Material):
@@ -26,8 +28,10 @@ class InelasticMaterial(_Material):
         nu: Poisson's ratio of the elastic part, between -1 and 0.5, both excluded [1].
         density: None where no mass is asked for [M/L^3].
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric".
-        integration: "full"; or "averaged_pressure", for laws that give the mean stress of their update, on tetrahedra
-            and triangles of degree 1. One point with hourglass control and averaged strains are refused.
+        integration: "full"; "reduced", one point and hourglass control, on quadrilaterals and hexahedra of degree 1,
+            for laws whose update has the flow of a step, `MaterialUpdate(..., flow=MaterialFlow(...))`
+            (docs/one_point.md); or "averaged_pressure", for laws that give the mean stress of their update, on
+            tetrahedra and triangles of degree 1. Averaged strains are refused.
 
     Attributes:
         finite_strain: whether the law sees the deformation gradient instead of the small strain.
@@ -35,7 +39,8 @@ class InelasticMaterial(_Material):
         unknown: shape of the unknown of the local equations, () or (n,); None for a law in closed form.
         average: whether the law sees the mean dilatation of each cell (B-bar, F-bar): True, False; "linear", the
             projection of the dilatation on linear functions of each cell; or "auto", the mean on quadrilaterals and
-            hexahedra of degree 1 and the projection on those of degree 2, which lock without.
+            hexahedra of degree 1 and the projection on those of degree 2, which lock without. With one point it does
+            not count: the law sees the mean of the whole gradient.
 
     Raises:
         TypeError: a value that is not a number.
@@ -49,12 +54,6 @@ class InelasticMaterial(_Material):
     unknown: tuple[int, ...] | None = None
 
     def _check_integration(self, integration: str, hypothesis: str | None) -> None:
-        if integration == REDUCED:
-            raise ValueError(
-                f"{type(self).__name__} has internal variables: one point with hourglass control (integration="
-                "'reduced') would keep the elastic stiffness of the hourglass modes while the material flows. Take "
-                "integration='full', which averages the dilatation of each cell and does not lock"
-            )
         if integration == AVERAGED_STRAIN:
             raise ValueError(
                 f"{type(self).__name__} has internal variables, in the cells: strains averaged at the nodes "
@@ -97,9 +96,9 @@ class InelasticMaterial(_Material):
 
     def elastic_law(self, mesh: Mesh) -> laws.Law:
         """The elastic part, of small strain; for bounds of the stable step and for bulk viscosity."""
-        return laws.LinearElastic(
-            self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu), self.hypothesis_on(mesh)
-        )
+        integration = REDUCED if self.integration == REDUCED else FULL
+        E, nu = self._constant(mesh, "E", self.E), self._constant(mesh, "nu", self.nu)
+        return laws.LinearElastic(E, nu, self.hypothesis_on(mesh), integration)
 
     def kinematics(self, mesh: Mesh, degree: int) -> inelastic.Kinematics:
         """Strains that the law sees on a mesh.
@@ -108,6 +107,8 @@ class InelasticMaterial(_Material):
             mesh: mesh.
             degree: degree of the displacement space [1].
         """
+        if self.integration == REDUCED:
+            return OnePointKinematics(mesh.ufl_domain(), self.elastic_law(mesh), self.finite_strain)
         cell, average = mesh.topology.cell_name(), self.average
         if average == "auto":
             average = inelastic.default_average(cell, degree)

@@ -123,9 +123,10 @@ class J2Plasticity(InelasticMaterial):
             projected on those of degree 2, which lock without.
         hypothesis: "3d" (default on 3D meshes), "plane_strain", "plane_stress", "axisymmetric". In plane stress of
             finite strain the history "thickness_strain" is the logarithm of the stretch across the plane.
-        integration: "full"; or "averaged_pressure", the mean stress by averages at the nodes, for tetrahedra and
-            triangles of degree 1 that do not lock (docs/averaged_pressure.md). One point with hourglass control is
-            refused.
+        integration: "full"; "reduced", one point in quadrilaterals and hexahedra of degree 1, whose hourglass modes
+            flow with the law, in explicit problems (docs/one_point.md); or "averaged_pressure", the mean stress by
+            averages at the nodes, for tetrahedra and triangles of degree 1 that do not lock
+            (docs/averaged_pressure.md).
 
     Attributes:
         steepest_softening: the least slope of the yield stress if it is negative, or 0 [F/L^2].
@@ -182,7 +183,7 @@ class J2Plasticity(InelasticMaterial):
         return (
             f"J2Plasticity(E={self.E}, nu={self.nu}, density={self.density}, yield_stress={self.yield_stress}, "
             f"hardening={self.hardening!r}, kinematic={self.kinematic!r}, finite_strain={self.finite_strain}, "
-            f"average={self.average!r}, hypothesis={self.hypothesis!r})"
+            f"average={self.average!r}, hypothesis={self.hypothesis!r}{self._repr_of_integration()})"
         )
 
     def _steepest_softening(self) -> float:

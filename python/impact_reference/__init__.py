@@ -14,6 +14,7 @@ from . import (
     model,
     newmark,
     one_point,
+    one_point_flow,
     plastic_body,
     plasticity,
     rigid_body,
@@ -62,6 +63,7 @@ from .interface import (
 from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
 from .one_point import OnePointForces, OnePointRun, element_one_point, run_one_point
+from .one_point_flow import FlowingCell, FlowingRun, OnePointPlastic, run_one_point_plastic
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
 from .rigid_body import RigidBody
@@ -84,6 +86,8 @@ __all__ = [
     "ContactSolution",
     "Csr",
     "ExplicitResult",
+    "FlowingCell",
+    "FlowingRun",
     "GeneralContact",
     "ImplicitContact",
     "InterfaceHistory",
@@ -99,6 +103,7 @@ __all__ = [
     "NodalKinematic",
     "NodalPenalty",
     "OnePointForces",
+    "OnePointPlastic",
     "OnePointRun",
     "PlasticBody",
     "PlasticElement",
@@ -153,6 +158,7 @@ __all__ = [
     "model",
     "newmark",
     "one_point",
+    "one_point_flow",
     "plastic_body",
     "plasticity",
     "quadrature",
@@ -163,6 +169,7 @@ __all__ = [
     "rotation",
     "rules",
     "run_one_point",
+    "run_one_point_plastic",
     "second_piola",
     "shape_functions",
     "sparse",

@@ -2,7 +2,7 @@
 """Types of arrays, rules and values over time in annotations, and arrays of these types from what a caller gave."""
 
 from collections.abc import Callable
-from typing import TypeAlias, Union
+from typing import Any, TypeAlias, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +10,7 @@ import numpy.typing as npt
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 IntArray: TypeAlias = npt.NDArray[np.int64]
 BoolArray: TypeAlias = npt.NDArray[np.bool_]
+AnyArray: TypeAlias = npt.NDArray[Any]  # real or complex
 ArrayLike: TypeAlias = npt.ArrayLike
 
 # Name of an integration rule, or its points and weights; None is the default rule of the purpose.

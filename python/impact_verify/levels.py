@@ -133,6 +133,7 @@ def run_bodies(report: Report, levels: Collection[str], progress: bool = True, a
             runs_in_time.run_implicit(report)
             yielding_runs.run(report)
             one_point.run_motion(report)
+            one_point.run_flow(report)
 
 
 def check_choice(cells: Collection[str] | None, degrees: Collection[int] | None, levels: Collection[str]) -> None:

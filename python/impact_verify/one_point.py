@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Cells with one point and hourglass control against their counterpart in the hand-written solver, impact_reference's
-one_point.py: elements on random distorted cells, and a free motion of a distorted block."""
+one_point.py: elements on random distorted cells, and a free motion of a distorted block, also one that flows."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from dolfinx_impact.common.types import FloatArray
 from dolfinx_impact.dynamics.explicit import ExplicitProblem
 from dolfinx_impact.forms import registry
 from dolfinx_impact.own_forms import distorted_block
+from dolfinx_impact.plasticity import J2Plasticity
 from . import catalogue, element, matched_body, nodes
 from .operator import LAWS
 from .report import Report
@@ -31,6 +32,16 @@ NUM_CELLS = 30
 NUM_STEPS = 100
 GROWTH = 1e-9
 RUN_REASON = "round-off of 100 steps"
+# Laws with internal variables: cell, hypothesis, whether strains are finite.
+FLOWING = (
+    ("hexahedron", "3d", False),
+    ("hexahedron", "3d", True),
+    ("quadrilateral", "plane_strain", True),
+    ("quadrilateral", "plane_stress", True),
+)
+FLOW_STEPS = 40
+FLOW_REASON = "round-off of 40 steps, in which yielding begins at the same step"
+SLOPE, YIELD = 0.05, 0.01  # of yield stress over plastic strain, and yield stress [F/L^2]
 
 
 def run_elements(report: Report) -> None:
@@ -117,6 +128,56 @@ def run_motion(report: Report) -> None:
                 for name, worst in motion_differences(law, cell, hypothesis, "mixed", FLOAT_STEPS).items():
                     report.add("history", f"{law}.reduced", cell, 1, 1, hypothesis, worst, in_float.tolerance,
                                in_float.reason, f"mixed precision, {name}")  # fmt: skip
+
+
+def run_flow(report: Report) -> None:
+    """Add the rows of a free motion in which cells and their hourglass modes flow.
+
+    Args:
+        report: report to add to.
+    """
+    for cell, hypothesis, finite in FLOWING:
+        if report.wants(cell, 1):
+            for name, worst in flow_differences(cell, hypothesis, finite).items():
+                law = f"j2.{'finite' if finite else 'small'}.linear.reduced"
+                report.add("history", law, cell, 1, 1, hypothesis, worst, GROWTH, FLOW_REASON, name)
+
+
+def flow_differences(cell: str, hypothesis: str, finite: bool) -> dict[str, float]:
+    """Differences of the free motion of a distorted block with linear hardening, whose modes flow.
+
+    Args:
+        cell: cell.
+        hypothesis: hypothesis of the material.
+        finite: whether strains are finite.
+
+    Returns:
+        Difference relative to the largest value, by quantity [1].
+    """
+    domain = distorted_block.block(cell, 2)
+    material = J2Plasticity(
+        2.0, 0.3, 1.5, YIELD, SLOPE, finite_strain=finite, hypothesis=hypothesis, integration="reduced"
+    )
+    body = matched_body.Body(domain, 1, material)
+    u, velocity, dim = fem.Function(body.V), fem.Function(body.V), body.gdim
+    velocity.interpolate(lambda x: 0.08 * np.array([np.cos(3 * x[i] + 2 * x[(i + 1) % dim]) for i in range(dim)]))
+    start = velocity.x.array.copy()
+    problem = ExplicitProblem(u, material, velocity=velocity)
+    dt = 0.4 * problem.stable_step()
+    problem.advance(FLOW_STEPS * dt, dt=dt, progress=False)
+    model = body.model
+    run = ref.run_one_point_plastic(
+        model.points, model.cells, cell, body.their_material, ref.J2Parameters(2.0, 0.3, YIELD, SLOPE), SLOPE,
+        "simo" if finite else "small", body.to_theirs(start).reshape(-1, dim), dt, problem.step,
+    )  # fmt: skip
+    ours = body.to_theirs(u.x.array).reshape(-1, dim)
+    strain = problem.history["plastic_strain"].values.max()
+    return {
+        "displacement": float(np.max(np.abs(ours - run.displacement))) / float(np.max(np.abs(run.displacement))),
+        "plastic strain": abs(float(strain) / float(run.plastic_strain.max()) - 1.0),
+        "elastic energy": abs(problem.energy["internal"] / run.internal - 1.0),
+        "hourglass energy": abs(problem.energy["hourglass"] / run.hourglass - 1.0),
+    }
 
 
 def motion_differences(

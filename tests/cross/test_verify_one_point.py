@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from dolfinx_impact.forms import one_point as forms
+from dolfinx_impact.forms import one_point_flow as flow
 from impact_verify import element, one_point
 from impact_verify.model_warnings import model_warnings_off
 from impact_verify.report import Report
@@ -38,17 +39,35 @@ def test_motions_in_mixed_precision_agree(law):
     assert one_point.GROWTH < max(found.values()) < IN_FLOAT[law].tolerance, found
 
 
+@pytest.mark.parametrize("cell, hypothesis, finite", one_point.FLOWING)
+def test_flowing_motions_agree(cell, hypothesis, finite):
+    with model_warnings_off():
+        found = one_point.flow_differences(cell, hypothesis, finite)
+    assert max(found.values()) < one_point.GROWTH, found
+
+
+@pytest.mark.parametrize("name, wrong", [("PLATE_LIMIT", 0.26), ("FACE", 0.49), ("TWIST_LIMIT", 0.05)])
+def test_modes_that_flow_at_another_moment(monkeypatch, name, wrong):
+    """Each constant of our modes is seen. The kernels are compiled with it once more."""
+    monkeypatch.setattr(flow, name, wrong)
+    with model_warnings_off():
+        found = one_point.flow_differences("hexahedron", "3d", False)
+    assert found["displacement"] > 10 * one_point.GROWTH
+
+
 def test_rows_are_added(monkeypatch):
     monkeypatch.setattr(one_point, "element_differences", lambda *args: {"force": (0.0, "")})
     monkeypatch.setattr(one_point, "motion_differences", lambda *args: {"displacement": 0.0})
+    monkeypatch.setattr(one_point, "flow_differences", lambda *args: {"displacement": 0.0})
     report = Report(cells=["hexahedron"])
     one_point.run_elements(report)
     one_point.run_motion(report)
+    one_point.run_flow(report)
     assert {(r.level, r.form) for r in report.rows} == {
         (level, f"{law}.reduced{end}")
         for law in ("linear_elastic", "neo_hookean")
         for level, end in (("element", ".force"), ("history", ""))
-    }
+    } | {("history", f"j2.{strain}.linear.reduced") for strain in ("small", "finite")}
 
 
 def test_hourglass_stiffness_that_is_wrong_on_the_other_side(monkeypatch):

@@ -169,9 +169,12 @@ def test_implicit_steps_have_the_entry():
     assert 0.0 < problem.energy["hourglass"] < problem.energy["internal"]
 
 
-def problem_on(cell, degree=1, geometry_degree=1, hypothesis=None, kind=di.ExplicitProblem, **more):
+PLASTIC = di.J2Plasticity(1.0, 0.3, 1.0, yield_stress=0.01, integration="reduced")
+
+
+def problem_on(cell, degree=1, geometry_degree=1, hypothesis=None, kind=di.ExplicitProblem, law=None, **more):
     domain = block(cell, 2, geometry_degree)
-    law = di.LinearElastic(1.0, 0.3, 1.0, hypothesis, integration="reduced")
+    law = law or di.LinearElastic(1.0, 0.3, 1.0, hypothesis, integration="reduced")
     return kind(fem.Function(vector_space(domain, degree)), law, **more)
 
 
@@ -184,7 +187,9 @@ def problem_on(cell, degree=1, geometry_degree=1, hypothesis=None, kind=di.Expli
         (lambda: problem_on("hexahedron", 1, 2), "geometry of degree 2"),
         (lambda: reduced(di.LinearElastic, "axisymmetric"), "not for axisymmetric"),
         (lambda: di.LinearElastic(1.0, 0.3, integration="one"), "use one of .*full.*reduced"),
-        (lambda: di.J2Plasticity(1.0, 0.3, yield_stress=1.0, integration="reduced"), "internal variables: one point"),
+        (lambda: problem_on("tetrahedron", law=PLASTIC), "found tetrahedron"),
+        (lambda: problem_on("hexahedron", kind=di.StaticProblem, law=PLASTIC), "is for ExplicitProblem"),
+        (lambda: problem_on("hexahedron", kind=di.NewmarkProblem, law=PLASTIC), "is for ExplicitProblem"),
     ],
 )
 def test_what_is_refused(make, words):

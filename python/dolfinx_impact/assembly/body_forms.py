@@ -11,7 +11,6 @@ from dolfinx.fem import Function
 
 from ..forms import elasticity
 from ..forms.inelastic import ELASTIC_ENERGY
-from ..forms.materials import weight
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
 from ..materials import AVERAGED_STRAIN, Material, _Material
@@ -64,7 +63,7 @@ def body_forms(u: Function, material: Material) -> BodyForms:
             if tag is not None and not isinstance(m, InelasticMaterial):
                 if id(m) not in by_material:
                     law = operators.elastic_law_of(u, m, material)
-                    energy = law.energy_density(u) * weight(V.mesh, law.hypothesis)
+                    energy = elasticity.energy_integrand(u, law)
                     by_material[id(m)] = PointLaw(outputs={}, sums={ELASTIC_ENERGY: energy})
                 laws[tag] = by_material[id(m)]
         form, stiffness = form + internal, parts.elastic_tangent(du, v) + stiffness

@@ -14,9 +14,10 @@ from dolfinx.mesh import Mesh
 from ..common.types import FloatArray, IntArray
 from ..forms import consistent_tangent, inelastic
 from ..forms.averaged_pressure import AveragedKinematics
+from ..forms.one_point_flow import OnePointResponse
 from ..forms.point_law import PointLaw
 from ..inelastic import InelasticMaterial
-from ..materials import Material
+from ..materials import REDUCED, Material
 from .jit import compile_form
 from .nodal_mean import NodalMean, is_averaged, mean_of
 from .operators import BilinearKernels, cells_measure
@@ -73,6 +74,8 @@ class InelasticPart:
             finite = material.finite_strain
             self.kinematics = AveragedKinematics(material.hypothesis_on(V.mesh), finite, self.mean)
         self.response = material.response(V.mesh)
+        if material.integration == REDUCED:
+            self.response = OnePointResponse(self.response, V.mesh.geometry.dim)
         self.symbols = inelastic.Symbols(self.response, V.mesh.ufl_domain(), degree)
 
     @property

@@ -29,6 +29,11 @@ class MaterialHistory(Mapping[str, HistoryField]):
         self._stress: StressFields | None = None
 
     @property
+    def parts(self) -> InelasticParts:
+        """Inelastic parts of the problem."""
+        return self._parts
+
+    @property
     def points(self) -> PointHistory:
         """Values at the quadrature points (C++)."""
         return self._points

@@ -9,6 +9,7 @@ from dolfinx.fem import Function
 
 from .. import compat
 from ..forms.one_point import CELLS
+from ..inelastic import InelasticMaterial
 from ..materials import NOT_AXISYMMETRIC, REDUCED, Material
 
 
@@ -36,3 +37,20 @@ def check_integration(u: Function, material: Material) -> None:
         )
     if material.hypothesis_on(mesh) == "axisymmetric":
         raise ValueError(NOT_AXISYMMETRIC)
+
+
+def check_explicit(material: Material) -> None:
+    """Refuse hourglass modes that flow in problems that are not explicit, on this rank.
+
+    Args:
+        material: material of the bodies.
+
+    Raises:
+        ValueError: a material with internal variables has one point.
+    """
+    if material.integration == REDUCED and any(isinstance(m, InelasticMaterial) for _, m in material.parts()):
+        raise ValueError(
+            "integration='reduced' of materials with internal variables is for ExplicitProblem: where hourglass modes "
+            "begin and cease to flow Newton's method does not converge. Take integration='full' for static and "
+            "implicit problems"
+        )

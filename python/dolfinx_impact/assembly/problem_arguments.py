@@ -6,7 +6,7 @@ from typing import Any
 
 from ..common import arguments
 from ..materials import MaterialMap, _Material
-from .one_point import check_integration
+from .one_point import check_explicit, check_integration
 from .residual import check_residual, check_tangent
 
 
@@ -114,6 +114,8 @@ def problem(
             arguments.tags("MaterialMap", given_material.cell_tags, mesh, tdim)
         arguments.radii(given_material.hypothesis_on(mesh), mesh)
         check_integration(u, given_material)
+        if not explicit:
+            check_explicit(given_material)
     else:
         check_residual(residual, u, tangent is not None)
         arguments.radii("axisymmetric" if axisymmetric else None, mesh)

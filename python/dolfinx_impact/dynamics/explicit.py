@@ -246,7 +246,8 @@ class ExplicitProblem(TransientProblem):
         )  # fmt: skip
         self._state = CurrentState(
             self._cpp_object, u, self.velocity, self.acceleration, self.contact, self._history, share,
-            HourglassEnergy(u, material), ReadOnce(self._cpp_object.supports, self.contact),
+            HourglassEnergy(u, material, self._material_history),
+            ReadOnce(self._cpp_object.supports, self.contact),
         )  # fmt: skip
         self._calls = AdvanceCalls()
         self._stepper = TimeStepper(

@@ -4,12 +4,18 @@
 from __future__ import annotations
 
 import warnings
+from typing import Any
 
+import numpy as np
+from dolfinx import fem
 from dolfinx.fem import Function
 
 from ..assembly import operators
+from ..assembly.inelastic_part import quadrature_element, set_values
+from ..assembly.material_history import MaterialHistory
 from ..common.described import Described
 from ..forms import one_point
+from ..forms.one_point_flow import HOURGLASS_STRAIN, OnePointKinematics
 from ..materials import REDUCED, MaterialMap, _Material
 
 WARN = 0.05  # part of the internal energy that is warned of: a usual limit for hourglass energy
@@ -26,10 +32,15 @@ class HourglassEnergy(Described):
     Args:
         u: displacement function [L].
         material: material of the bodies; None: the residual is the user's own.
+        history: internal variables of the problem, which have the plastic strains of the modes; None: no material has
+            any.
     """
 
-    def __init__(self, u: Function, material: _Material | MaterialMap | None) -> None:
-        self._u, self._comm = u, u.function_space.mesh.comm
+    def __init__(
+        self, u: Function, material: _Material | MaterialMap | None, history: MaterialHistory | None = None
+    ) -> None:
+        self._u, self._comm, self._history = u, u.function_space.mesh.comm, history
+        self._plastic: Function | None = None
         self._material = material if material is not None and material.integration == REDUCED else None
         self._energy: operators.Energy | None = None
         self.begin_anew()
@@ -68,13 +79,27 @@ class HourglassEnergy(Described):
         if self._material is None:
             return {}
         if self._energy is None:
-            u = self._u
-            form = operators.sum_laws(u, self._material, lambda law, dx: one_point.hourglass_energy(u, law, dx))
-            self._energy = operators.Energy(form)
+            self._energy = operators.Energy(self._form(self._material))
+        if self._history is not None and self._plastic is not None:
+            values = self._history.points.values(HOURGLASS_STRAIN)
+            set_values(self._plastic, np.arange(len(values), dtype=np.int32), values)
         value, self._num_steps = self._energy.value(), 0
         if self._internal > 0.0:
             self._share = max(self._share, value / self._internal)
         return {"hourglass": value}
+
+    def _form(self, material: _Material | MaterialMap) -> Any:
+        """Form of the energy; sets `_plastic`, whose values it reads."""
+        u = self._u
+        form = operators.sum_laws(u, material, lambda law, dx: one_point.hourglass_energy(u, law, dx))
+        for part in () if self._history is None else self._history.parts:
+            if self._plastic is None:
+                shape = part.response.history[HOURGLASS_STRAIN]
+                space = fem.functionspace(part.mesh, quadrature_element(part.mesh, shape, part.degree))
+                self._plastic = Function(space, name=HOURGLASS_STRAIN)
+            assert isinstance(part.kinematics, OnePointKinematics)
+            form += part.kinematics.hourglass_density(u, self._plastic) * part.dx
+        return form
 
     def warn(self, stacklevel: int = 4) -> None:
         """Warn once, on rank 0, if much of the internal energy was in hourglass modes.

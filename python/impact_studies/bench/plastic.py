@@ -42,6 +42,7 @@ SHARE = 0.8  # of the first stable step that steps take [1]: it stays below the 
 SAME = 1e-11  # forces and histories are sums of some hundred terms, each with round-off of 1e-16 of the largest
 AXES = ((0, 0), (1, 1), (0, 1), (1, 2), (0, 2))  # the components of a deviator that are kept
 GOALS = {YIELDING: 0.8, ELASTIC: 0.9}
+REDUCED_GOAL = 2.5  # speed of one point over that of full integration [1]
 # Yield stress of all points yielding where the local equations are iterated: a step is some ten times its strain.
 ITERATED_YIELDING = 0.005
 
@@ -104,16 +105,21 @@ class Body:
         return (several - once) / STEPS
 
 
-def j2(yield_stress: float, hardening: str = "linear", finite_strain: bool = False) -> J2Plasticity:
+def j2(
+    yield_stress: float, hardening: str = "linear", finite_strain: bool = False, integration: str = materials.FULL
+) -> J2Plasticity:
     """The law of the rows.
 
     Args:
         yield_stress: yield stress [F/L^2].
         hardening: "linear", or "Voce", with the same slope in the end.
         finite_strain: whether strains are finite.
+        integration: "full" or "reduced".
     """
     law: float | Voce = HARDENING if hardening == "linear" else Voce(2 * yield_stress, 1.0, HARDENING)
-    return J2Plasticity(E, NU, 1.0, yield_stress=yield_stress, hardening=law, finite_strain=finite_strain)
+    return J2Plasticity(
+        E, NU, 1.0, yield_stress=yield_stress, hardening=law, finite_strain=finite_strain, integration=integration
+    )
 
 
 def flowing(problem: ExplicitProblem) -> float:
@@ -287,6 +293,37 @@ def speed_rows(n: int = 40) -> list[Row]:
     return rows
 
 
+def reduced_rows(n: int = 40) -> list[Row]:
+    """Measure steps with one point, whose hourglass modes flow, against those of full integration.
+
+    Args:
+        n: cells per side.
+
+    Returns:
+        Rows.
+
+    Raises:
+        RuntimeError: as speed_rows.
+    """
+    rows = []
+    for finite_strain in (False, True):
+        for state in GOALS:
+            bodies = [
+                Body(n, j2(state, "linear", finite_strain, integration))
+                for integration in (materials.FULL, materials.REDUCED)
+            ]
+            for body in bodies:
+                check_flow(body.problem, state, "before the rounds")
+            times = in_turn(bodies[0].seconds, bodies[1].seconds)
+            for body in bodies:
+                check_flow(body.problem, state, "after the rounds")
+            law = f"{'finite' if finite_strain else 'small'} strain, linear"
+            what = "all points yield" if state == YIELDING else "no point yields"
+            name = f"j2 reduced / full, {law}, {what}, goal {REDUCED_GOAL}"
+            rows.append(_against(name, times, bodies[0].num_cells))
+    return rows
+
+
 def check_flow(problem: ExplicitProblem, yield_stress: float, when: str) -> None:
     """Refuse a timing in another state than the row says.
 
@@ -401,6 +438,7 @@ def jobs(large: bool = False) -> list[Job]:
     """
     return [
         ("explicit step, j2", partial(speed_rows, 36 if large else 30)),
+        ("explicit step, j2, one point", partial(reduced_rows, 36 if large else 30)),
         ("explicit step, j2, the usual way", usual_row),
         ("explicit step, law of one's own", own_row),
         ("explicit memory, j2", partial(memory_rows, 64 if large else 40)),

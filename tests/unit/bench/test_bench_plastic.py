@@ -30,6 +30,15 @@ def test_rows_of_speed():
     assert all(0.0 < r["ratio"] < 10.0 and r["baseline"] > 0.0 for r in rows)
 
 
+@pytest.mark.alone
+def test_rows_of_one_point():
+    rows = plastic.reduced_rows(5)
+    found = [", ".join(r["name"].split(", ")[:-1]) for r in rows]
+    states = ("all points yield", "no point yields")
+    assert found == [f"j2 reduced / full, {s} strain, linear, {state}" for s in ("small", "finite") for state in states]
+    assert all(0.0 < r["ratio"] < 20.0 and r["baseline"] > 0.0 for r in rows)
+
+
 def test_a_timing_with_a_new_stable_step_does_not_count(monkeypatch):
     body = plastic.Body(3, plastic.j2(plastic.YIELDING, finite_strain=True))
     safe, advance = body.problem._cpp_object.safe_step, body.advance
