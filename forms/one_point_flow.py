@@ -342,10 +342,12 @@ class OnePointKinematics(Kinematics):
             others = math.prod(stiffness[:k] + stiffness[k + 1 :])
             wanted = sum(along[k][key] * moment[key] for key in along[k]) * (others * reciprocal)
             flowing = ufl.max_value(ufl.min_value(wanted, most), -most)
+            parts = {key: flowing * value for key, value in along[k].items()}
             if flow.yields is not None:
-                flowing = ufl.conditional(flow.yields, flowing, 0)
-            step |= {key: flowing * along[k][key] for key in along[k]}
-            moment |= {key: moment[key] - flowing * of_along[k][key] for key in along[k]}
+                parts = {key: ufl.conditional(flow.yields, value, 0) for key, value in parts.items()}
+            step |= parts
+            change = self._plate_moments(parts, k)
+            moment |= {key: moment[key] - change[key] for key in parts}
         square = sum(self._equivalent_square(moment, k) for k in range(dim))
         if dim == 3:
             square += (PLATE_LIMIT / TWIST_LIMIT) ** 2 * sum(moment[None, i] ** 2 for i in range(dim))

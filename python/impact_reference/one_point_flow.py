@@ -3,8 +3,8 @@
 
 The mean law is a J2Point of the mean strain. The modes' strains, of a plate across each axis and of the mode
 xi eta zeta, come from the shape vectors gamma of one_point.py; their derivatives by the nodes' displacements, the
-matrix B of the modes, from complex steps: no derivative is written down. Reference coordinates run from -1 to 1, so that
-means of xi^2 are 1/3 and full plastic moments Y/2, and Y/4 of xi eta.
+matrix B of the modes, from complex steps: no derivative is written down. Reference coordinates run from -1 to 1: means
+of xi^2 are 1/3, and full plastic moments Y/2, and Y/4 of xi eta.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class OnePointPlastic:
         _, dN = rules.shape_functions(cell_type, 1, np.zeros((1, self._dim)))
         self._axes = dN[0].T @ nodes
         self.point = J2Point(parameters, 1, strain, "plane_stress" if hypothesis == "plane_stress" else "3d")
-        self.plastic = np.zeros(12 if self._dim == 3 else 2)
+        self.plastic: FloatArray = np.zeros(12 if self._dim == 3 else 2)
 
     def _modes(self, u: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Strains of the modes, real or complex, and the present axes as rows."""
@@ -235,7 +235,8 @@ def run_one_point_plastic(
 
     def evaluate() -> tuple[FloatArray, float, float]:
         force, internal, hourglass = np.zeros_like(points), 0.0, 0.0
-        for cell, body in zip(connectivity, bodies):
+        for number, body in enumerate(bodies):
+            cell = connectivity[number]
             found = body.evaluate(u[cell])
             body.commit(found)
             force[cell] += found.force.reshape(len(cell), -1)

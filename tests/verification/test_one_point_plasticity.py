@@ -148,7 +148,9 @@ def test_far_below_the_yield_stress_it_is_the_elastic_cell(hypothesis):
 @pytest.mark.parametrize("cell, hypothesis, finite", [c[:3] for c in CASES if c[3] == 0.02])
 def test_forces_of_the_modes_are_derivatives_of_their_energy(cell, hypothesis, finite):
     """By differences, of large displacements far below the yield stress, on distorted cells."""
-    body, rng = Body(block(cell, 2, distortion=0.1), steel(hypothesis, finite, yield_stress=1e3)), np.random.default_rng(4)
+    body, rng = Body(
+        block(cell, 2, distortion=0.1), steel(hypothesis, finite, yield_stress=1e3)
+    ), np.random.default_rng(4)
     start, direction = (0.1 * rng.uniform(-1, 1, len(body.u.x.array)) for _ in range(2))
 
     def energy(values):

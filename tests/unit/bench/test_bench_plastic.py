@@ -32,7 +32,7 @@ def test_rows_of_speed():
 
 @pytest.mark.alone
 def test_rows_of_one_point():
-    rows = plastic.reduced_rows(5)
+    rows = plastic.reduced_rows(10)
     found = [", ".join(r["name"].split(", ")[:-1]) for r in rows]
     states = ("all points yield", "no point yields")
     assert found == [f"j2 reduced / full, {s} strain, linear, {state}" for s in ("small", "finite") for state in states]

@@ -88,7 +88,14 @@ def public(thing):
 def test_the_table_is_whole(described):
     """Every class that a user can describe a problem with has its object here."""
     problems = {"StaticProblem", "ExplicitProblem", "NewmarkProblem", "RollingProblem"}
-    no_state = {"ContactStatus", "InelasticMaterial", "InterfaceUpdate", "MaterialFlow", "MaterialUpdate", "PointValues"}
+    no_state = {
+        "ContactStatus",
+        "InelasticMaterial",
+        "InterfaceUpdate",
+        "MaterialFlow",
+        "MaterialUpdate",
+        "PointValues",
+    }
     operators = {"DeformedBody", "Energy", "InternalForce", "PartitionedMesh", "Tangent", "Units"}  # and results
     classes = {name for name in di.__all__ if isinstance(getattr(di, name), type)}
     assert {type(thing).__name__ for thing in described} - {"OwnLaw"} == classes - problems - no_state - operators
