@@ -7,7 +7,7 @@ import dolfinx.cpp
 import numpy
 from numpy.typing import NDArray
 
-ABI: int = 4
+ABI: int = 5
 
 class Kernel:
     """A compiled integral"""
