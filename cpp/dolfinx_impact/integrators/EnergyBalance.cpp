@@ -9,6 +9,9 @@ namespace
 {
 /// Number of steps whose rounding errors may add up at random, as the root of their number: docs/explicit/energies.md.
 constexpr double random_steps = 1e6;
+/// Gains are relative to no less than this part of what the bodies store at the start: an equilibrium is one to the
+/// tolerance of its solver, and nothing else moves a body that begins at rest in it.
+constexpr double equilibrium_error = 1e-9;
 
 /// What the product of the velocities before and after a time level has more than the energy that both steps see, to
 /// first order in the difference of their lengths: docs/explicit/energies.md, "Kinetic energy".
@@ -135,6 +138,8 @@ bool EnergyBalance::end_sum()
   _reference = std::max(_reference, put_in);
   const double round_off = 0.5 * random_steps * _uncertainty / (_steps.after * _steps.after);
   _gain.update(now, -_totals.kinematic, round_off);
+  if (_steps.before == 0.0)
+    _gain.largest = std::max(_gain.largest, equilibrium_error * std::abs(_totals.position));
   const bool grows = _totals.half_kinetic > largest_growth * std::max(_reference, round_off) || _gain.now > _gain_limit;
   return std::isfinite(_totals.speed) && !(grows && std::isfinite(_gain_limit)) && !(_totals.passages > 0.0) &&
          !(_totals.unsolved > 0.0);

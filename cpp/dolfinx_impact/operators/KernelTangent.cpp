@@ -162,14 +162,40 @@ void KernelTangent::add(Part& part, const std::array<std::vector<std::int8_t>, 2
         if (constrained[1][columns.bs() * trial_dofs[j / columns.bs()] + j % columns.bs()])
           for (int i = 0; i < num_rows; ++i)
             A[std::size_t(i) * num_columns + j] = 0.0;
-    insert(dofs, trial_dofs, A);
+    check(insert(dofs, trial_dofs, A), "adding the matrix of a cell");
   }
+}
+
+/// Entries that nothing is added to are lost when a matrix is assembled: those of cells without averages, too.
+void KernelTangent::assemble_zeros()
+{
+  auto insert = dolfinx::la::petsc::Matrix::set_block_fn(_matrix, ADD_VALUES);
+  const std::vector<double> zeros(_A.size(), 0.0);
+  for (const Part& part : _parts)
+  {
+    const std::size_t size = std::size_t(part.matrix.num_rows()) * part.matrix.num_columns();
+    for (const std::int32_t cell : part.cells())
+      check(insert(_V[0]->dofmap()->cell_dofs(cell), _V[1]->dofmap()->cell_dofs(cell), std::span(zeros).first(size)),
+            "a matrix of zeros");
+  }
+  if (_other)
+  {
+    std::vector<double> none;
+    const auto insert_zeros = [&insert, &none](auto rows, auto columns, auto values)
+    {
+      none.assign(values.size(), 0.0);
+      return insert(rows, columns, none);
+    };
+    dolfinx::fem::assemble_matrix(insert_zeros, *_other, common::boundary_conditions(BoundaryConditions{}));
+  }
+  check(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY), "a matrix of zeros");
+  check(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY), "a matrix of zeros");
 }
 
 void KernelTangent::add_average(AverageTerm term)
 {
-  check(MatAssemblyBegin(_matrix, MAT_FINAL_ASSEMBLY), "a matrix of zeros");
-  check(MatAssemblyEnd(_matrix, MAT_FINAL_ASSEMBLY), "a matrix of zeros");
+  if (_averages.empty())
+    assemble_zeros();
   term.average->update();
   add(term, {}, true);
   _averages.push_back(std::move(term));

@@ -82,6 +82,7 @@ private:
 
   void add(Part& part, const std::array<std::vector<std::int8_t>, 2>& constrained);
   void compute(Part& part, std::size_t first, std::size_t count);
+  void assemble_zeros();
   void add(AverageTerm& term, const BoundaryConditions& bcs, bool new_entries);
 
   std::array<std::shared_ptr<const FunctionSpace>, 2> _V;

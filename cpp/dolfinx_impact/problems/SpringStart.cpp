@@ -46,19 +46,34 @@ double root(const auto& f, double low, double f_low, double high, double f_high,
   }
   return f_low < 0.0 ? last : low;
 }
+
+/// Part of the force on a node that presses it on the master.
+/// @param[in] forces of all nodes [F]
+/// @param[in] normals of the nodes with springs; i: number among them
+double pressing(std::span<const double> forces, std::int32_t node, std::span<const double> normals, std::size_t i,
+                int gdim)
+{
+  double out = 0.0;
+  for (int c = 0; c < gdim; ++c)
+    out += forces[std::size_t(node) * gdim + c] * normals[i * gdim + c];
+  return out;
+}
 } // namespace
 
 SpringStart::SpringStart(std::shared_ptr<const enforcement::StaticContact> steady, ExplicitProblem& problem,
                          std::size_t contact, bool supports_move)
     : _steady(std::move(steady)), _problem(problem), _pair(problem.contacts().at(contact).contact),
-      _springs(std::dynamic_pointer_cast<enforcement::NodePenalty>(_pair.directions().front())),
       _gdim(problem.displacement()->function_space()->mesh()->geometry().dim())
 {
-  if (!_springs)
-    throw std::invalid_argument(problem.contacts()[contact].name + " is to start with springs, and has none");
+  for (const auto& direction : _pair.directions())
+  {
+    _springs.push_back(std::dynamic_pointer_cast<enforcement::NodePenalty>(direction));
+    if (!_springs.back())
+      throw std::invalid_argument(problem.contacts()[contact].name + " is to start with springs, and has none");
+  }
   const auto V = problem.displacement()->function_space();
   MPI_Comm comm = V->mesh()->comm();
-  _nodes = operators::nodes_of_bodies(*V, _springs->candidates().nodes());
+  _nodes = operators::nodes_of_bodies(*V, _springs.front()->candidates().nodes());
   for (std::int32_t node = 0; node < V->dofmap()->index_map->size_local(); ++node)
     _mass.push_back(problem.body().mass[std::size_t(node) * _gdim]);
   std::array<double, 3> held{}; // nodes of the body, in each direction
@@ -91,7 +106,7 @@ double SpringStart::approach() const
 {
   if (_force == 0.0)
     return 0.0;
-  const double length = _springs->facet_length();
+  const double length = _springs.front()->facet_length();
   double step = first_guess * length, low = 0.0, high = 0.0, f_low = excess(0.0), f_high = f_low;
   if (f_low > 0.0)
     for (; f_low > 0.0; step *= 2.0)
@@ -117,13 +132,54 @@ void SpringStart::move(std::span<double> u, double distance) const
       u[std::size_t(node) * _gdim + c] -= distance * _normal[c];
 }
 
+bool SpringStart::close_nodes()
+{
+  _problem.integrator().update_gaps();
+  bool closes = false;
+  for (const auto& springs : _springs)
+    closes = close_nodes_of(*springs) || closes;
+  return closes;
+}
+
+bool SpringStart::close_nodes_of(enforcement::NodePenalty& springs) const
+{
+  const std::vector<double> forces = _steady->contact_forces();
+  const enforcement::NodalResults& results = springs.results();
+  const std::span<const std::int32_t> nodes = springs.candidates().nodes();
+  state::State state = springs.saved_state();
+  const auto closed = state.values<std::int8_t>("closed");
+  const std::span<double> offset = state.values<double>("spring_offset");
+  const double depth = first_guess * springs.facet_length();
+  int num = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (!(springs.stiffness()[i] > 0.0) && std::isfinite(results.gap[i]) &&
+        pressing(forces, nodes[i], results.normal, i, _gdim) > 0.0)
+    {
+      closed[i] = 1;
+      offset[i] = -results.gap[i] - depth;
+      ++num;
+    }
+  MPI_Allreduce(MPI_IN_PLACE, &num, 1, MPI_INT, MPI_SUM, _problem.displacement()->function_space()->mesh()->comm());
+  if (num > 0)
+    springs.resume(state);
+  return num > 0;
+}
+
 void SpringStart::hand_over()
 {
   _problem.integrator().update_gaps();
-  const std::vector<double> forces = _steady->contact_forces();
-  const enforcement::NodalResults& results = _springs->results();
-  const std::span<const std::int32_t> nodes = _springs->candidates().nodes();
-  state::State state = _springs->saved_state();
+  for (const auto& springs : _springs)
+    hand_over_to(*springs);
+}
+
+void SpringStart::hand_over_to(enforcement::NodePenalty& springs) const
+{
+  std::vector<double> forces = _steady->contact_forces();
+  for (double& force : forces)
+    force /= double(_springs.size());
+  const enforcement::NodalResults& results = springs.results();
+  const std::span<const std::int32_t> nodes = springs.candidates().nodes();
+  state::State state = springs.saved_state();
   const auto column = [&state](const char* name) { return state.values<double>(name); };
   const auto closed = state.values<std::int8_t>("closed");
   const std::span<double> tangential = column("tangential"), force = column("spring_force"),
@@ -134,21 +190,18 @@ void SpringStart::hand_over()
   for (std::size_t i = 0; i < nodes.size(); ++i)
   {
     const double *given = forces.data() + std::size_t(nodes[i]) * _gdim, *normal = results.normal.data() + i * _gdim;
-    double pressing = 0.0;
-    for (int c = 0; c < _gdim; ++c)
-      pressing += given[c] * normal[c];
-    const double stiffness = _springs->stiffness()[i];
-    const bool inside = stiffness > 0.0, bears = inside && pressing > 0.0;
+    const double pressed = pressing(forces, nodes[i], results.normal, i, _gdim), stiffness = springs.stiffness()[i];
+    const bool inside = stiffness > 0.0, bears = inside && pressed > 0.0;
     const double found = inside ? results.gap[i] : 0.0; // nodes without a master have an infinite one
     compliance[i] = inside ? 1.0 / stiffness : 0.0;
     closed[i] = bears;
-    force[i] = bears ? pressing : 0.0;
-    gap[i] = bears ? -pressing * compliance[i] : 0.0;
+    force[i] = bears ? pressed : 0.0;
+    gap[i] = bears ? -pressed * compliance[i] : 0.0;
     // Nodes beside the contact, which the approach has pushed in, stay just open.
     offset[i] = !inside ? 0.0 : bears ? gap[i] - found : margin * std::abs(found) - found;
     for (int c = 0; c < _gdim; ++c)
-      tangential[i * _gdim + c] = bears ? given[c] - pressing * normal[c] : 0.0;
+      tangential[i * _gdim + c] = bears ? given[c] - pressed * normal[c] : 0.0;
   }
-  _springs->resume(state);
+  springs.resume(state);
 }
 } // namespace dolfinx_impact::problems

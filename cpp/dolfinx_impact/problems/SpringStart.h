@@ -36,8 +36,14 @@ public:
   /// @param[in,out] u displacements, owned and ghosts [L]
   /// @param[in] distance by which it is moved [L]
   void move(std::span<double> u, double distance) const;
+  /// Give springs to nodes that bear in equilibrium and have none, as bodies that supports hold cannot be moved: their
+  /// gaps are zero but for round-off. The forces of the start are then to be computed anew. Collective.
+  /// @returns whether there are such nodes on any rank
+  bool close_nodes();
   /// Give the springs the nodal forces of the equilibrium; the forces of the start are then to be computed anew.
   /// Collective.
+  ///
+  /// Both sides of a balanced pair bear a half each: springs of either get half of the forces on their nodes.
   ///
   /// Bodies that are moved against each other penetrate everywhere by the same amount, pressures in equilibrium are not
   /// the same everywhere: what is left is an offset of the gap of each node, until the node opens.
@@ -45,11 +51,14 @@ public:
 
 private:
   double excess(double distance) const;
+  bool close_nodes_of(enforcement::NodePenalty& springs) const;
+  void hand_over_to(enforcement::NodePenalty& springs) const;
 
   std::shared_ptr<const enforcement::StaticContact> _steady;
   ExplicitProblem& _problem;
   enforcement::NodalPair _pair;
-  std::shared_ptr<enforcement::NodePenalty> _springs; ///< of the pair's slave
+  /// Of the pair's slave; of a balanced pair of its master, too, each of which bears a part of the force.
+  std::vector<std::shared_ptr<enforcement::NodePenalty>> _springs;
   int _gdim;
   std::vector<std::int32_t> _nodes; ///< of the slave body, owned and ghosts
   std::vector<double> _mass;        ///< of owned nodes [M]

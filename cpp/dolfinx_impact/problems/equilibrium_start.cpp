@@ -47,8 +47,7 @@ void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumPr
       continue;
     SpringStart start(contacts[k], problem, k, false);
     start.move(common::array(*u->x()), start.approach());
-    if (contacts[k]->has_multipliers())
-      starts.push_back(std::move(start));
+    starts.push_back(std::move(start));
   }
   for (const ContactInTime& c : problem.contacts())
     for (const auto& direction : c.contact.directions())
@@ -56,6 +55,11 @@ void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumPr
   problem.start(observer);
   if (starts.empty())
     return;
+  bool closes = false;
+  for (SpringStart& start : starts)
+    closes = start.close_nodes() || closes;
+  if (closes)
+    problem.start(observer);
   for (SpringStart& start : starts)
     start.hand_over();
   problem.start(observer);

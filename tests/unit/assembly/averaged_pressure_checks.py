@@ -229,6 +229,29 @@ def run(comm, until=0.4, integration=PRESSURE):
     return problem
 
 
+def check_plain_cells_beside_averaged_ones():
+    """Equilibria of layers with averages and without, the same moduli in all: a linear displacement is the solution.
+    A load that follows the body is assembled by FFCx's kernels."""
+    V = cube()
+    V.mesh.topology.create_connectivity(2, 3)
+    outer = mesh.exterior_facet_indices(V.mesh.topology)
+    tags = mesh.meshtags(V.mesh, 2, outer, np.ones(len(outer), dtype=np.int32))
+    linear = fem.Function(V)
+    linear.interpolate(lambda x: 1e-3 * np.array([x[0] + 2.0 * x[1], x[2] - x[1], 0.5 * x[0]]))
+    support = fem.dirichletbc(linear, fem.locate_dofs_topological(V, 2, outer))
+    steel = {"yield_stress": 1.0, "hardening": 0.1}
+    for law, given in ((di.LinearElastic, {}), (di.NeoHookean, {}), (di.J2Plasticity, steel)):
+        for how in (PRESSURE,) if given else (PRESSURE, STRAIN):
+            materials = [law(1.0, 0.3, integration=integration, **given) for integration in ("full", how, "full")]
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # plain tetrahedra lock
+                problem = di.StaticProblem(
+                    fem.Function(V), layers(V, materials), bcs=support, loads=di.FollowerPressure(tags, 1, 0.0)
+                )
+            problem.solve(progress=False)
+            assert np.abs(problem.u.x.array - linear.x.array).max(initial=0.0) < 1e-12, (law, how)
+
+
 def check_run_is_that_of_one_rank():
     """Displacements by place; the balance of energy. Sums in another order differ by round-off, which grows little."""
     for how in (PRESSURE, STRAIN):
