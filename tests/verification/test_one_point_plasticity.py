@@ -190,6 +190,21 @@ def test_energies_of_a_run(hypothesis, finite):
     assert stress.shape[1] == 1 and problem.history["von_mises"].values.max() > YIELD
 
 
+def test_materials_by_tag():
+    """A part with one point that stays elastic and one that flows: energies of both, the total is kept."""
+    domain = block("hexahedron", 4, distortion=0.05)
+    cells = np.arange(64, dtype=np.int32)
+    tags = mesh.meshtags(domain, 3, cells, np.where(cells < 32, 1, 2).astype(np.int32))
+    rubber = di.NeoHookean(E, NU, 1.0, "3d", "reduced")
+    problem = moving(domain, di.MaterialMap(tags, {1: rubber, 2: steel(hardening=0.02)}), 0.05)
+    problem.advance(2.0, dt=0.02, progress=False)
+    energy = problem.energy
+    assert 0.0 < energy["hourglass"] < energy["internal"] and energy["plastic"] > 0.1 * energy["total"]
+    assert abs(energy["drift"]) < 1e-12
+    assert np.abs(problem.history[HOURGLASS_STRAIN].values[cells >= 32]).max() > 1e-4
+    assert np.abs(problem.history[HOURGLASS_STRAIN].values[cells < 32]).max() == 0.0
+
+
 def test_restart_goes_on_to_the_bit(tmp_path):
     def made():
         return moving(block("hexahedron", 3, distortion=0.1), steel(hardening=di.Voce(0.02, 10.0)))
