@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ContactNodes.h"
 #include "../common/clones.h"
+#include "../common/prefetch.h"
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -25,16 +26,12 @@ constexpr std::size_t nodes_ahead = 32;
 template <int D, int stride>
 inline void prefetch(std::span<const std::int32_t> nodes, std::size_t k, std::span<const double> values)
 {
-#if defined(__GNUC__)
   if (k + nodes_ahead >= nodes.size())
     return;
   const double* next = values.data() + std::size_t(nodes[k + nodes_ahead]) * stride;
-  __builtin_prefetch(next);
+  common::prefetch(next);
   if constexpr (stride != 4) // padded nodes lie in one line
-    __builtin_prefetch(next + D - 1);
-#else
-  (void)nodes, (void)k, (void)values;
-#endif
+    common::prefetch(next + D - 1);
 }
 
 /// Least and largest values by component, collected node by node.
@@ -315,9 +312,15 @@ void ContactNodes::keep(const NodalFields& fields)
 
 void ContactNodes::put_displacements(NodalFields& fields) const
 {
-  const int bs = fields.bs;
-  for (std::size_t k = 0; k < _nodes.size(); ++k)
-    std::copy_n(u.data() + k * bs, bs, fields.u.data() + std::size_t(_nodes[k]) * fields.stride);
+  with_layout(fields,
+              [&]<int D, int stride>()
+              {
+                for (std::size_t k = 0; k < _nodes.size(); ++k)
+                {
+                  prefetch<D, stride>(_nodes, k, fields.u);
+                  std::copy_n(u.data() + k * D, D, fields.u.data() + std::size_t(_nodes[k]) * stride);
+                }
+              });
 }
 
 template <int D, int stride>
@@ -326,6 +329,8 @@ void ContactNodes::finish_all(NodalFields& fields, double dt)
   const std::size_t owned = _halo->num_owned();
   Extremes<D> increments;
   for (std::size_t k = 0; k < _nodes.size(); ++k)
+  {
+    prefetch<D, stride>(_nodes, k, fields.v);
     for (int c = 0; c < D; ++c)
     {
       const std::size_t i = std::size_t(_nodes[k]) * stride + c, n = k * D + c;
@@ -336,6 +341,7 @@ void ContactNodes::finish_all(NodalFields& fields, double dt)
       du[n] = dt * v[n];
       increments.add(c, du[n]);
     }
+  }
   _range = increments.range();
   _corrected = true;
 }

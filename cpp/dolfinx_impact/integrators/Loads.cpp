@@ -18,6 +18,9 @@ void Loads::add(std::span<const std::int32_t> entries, std::span<const double> v
     throw std::invalid_argument(wrong_size);
   _loads.push_back({{entries.begin(), entries.end()}, {values.begin(), values.end()}, amplitude, never});
   _forces.resize(_size, 0.0);
+  _loaded.resize(_size, false);
+  for (const std::int32_t entry : entries)
+    _loaded[entry] = true;
 }
 
 void Loads::set_values(std::size_t i, std::span<const double> values)

@@ -33,7 +33,7 @@ public:
   /// with a cache line.
   const double* forces() const { return _forces.empty() ? nullptr : _forces.data(); }
   /// Force at one owned entry [F].
-  double force(std::size_t entry) const { return _forces.empty() ? 0.0 : _forces[entry]; }
+  double force(std::size_t entry) const { return !_loaded.empty() && _loaded[entry] ? _forces[entry] : 0.0; }
 
 private:
   struct Load
@@ -46,5 +46,6 @@ private:
   std::size_t _size;
   std::vector<Load> _loads;
   operators::AlignedVector _forces;
+  std::vector<bool> _loaded; ///< by entry: is it among those of a load? Few are, and most answers come from the cache
 };
 } // namespace dolfinx_impact::integrators

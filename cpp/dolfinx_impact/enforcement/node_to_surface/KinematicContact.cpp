@@ -108,7 +108,7 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
   ContactPoint point;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
-    if (!_rigid && _tracker.skipped(i))
+    if (!_rigid && _closed[i] != 1 && _tracker.skipped(i)) // a closed node is active
       continue;
     const bool may_release = _absorbed_energy[i] > 0.0; // positive only for nodes that were closed in the last step
     if (!find_contact(i, u, du, may_release ? std::numeric_limits<double>::infinity() : 0.0, false, point))
@@ -411,15 +411,16 @@ void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, doubl
 }
 
 template <int D>
-void KinematicContact::add_all(std::span<double> forces)
+void KinematicContact::add_all(std::span<double> forces, bool last)
 {
+  double corrections[surface::FacetElement::max_nodes * D];
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
     const Closed& closed = _closed_now[q];
     const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
     for (int c = 0; c < D; ++c)
       forces[std::size_t(closed.node) * D + c] += f[c];
-    double* const more = _corrections.data() + q * _num_masters * D;
+    double* const more = last ? _corrections.data() + q * _num_masters * D : corrections;
     if (corrects_moments())
       _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
                                        [&](int j, int c, double value) { more[j * D + c] = value; });
@@ -435,9 +436,9 @@ void KinematicContact::add_all(std::span<double> forces)
   }
 }
 
-void KinematicContact::add_forces(std::span<double> forces)
+void KinematicContact::add_forces(std::span<double> forces, bool last)
 {
-  _gdim == 2 ? add_all<2>(forces) : add_all<3>(forces);
+  _gdim == 2 ? add_all<2>(forces, last) : add_all<3>(forces, last);
 }
 
 /// A force works half on the increment before it and half on the increment after it.

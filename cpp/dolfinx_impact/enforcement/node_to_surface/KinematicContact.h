@@ -53,7 +53,8 @@ public:
   /// @param[in] first it is the first one: nothing is corrected yet
   void solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first);
   /// Add the forces to those of the nodes.
-  void add_forces(std::span<double> forces);
+  /// @param[in] last after the last sweep: `record` reads how they act
+  void add_forces(std::span<double> forces, bool last);
   /// Results and work of the step.
   void record(const CorrectedNodes& nodes, double h, double dt);
 
@@ -97,7 +98,7 @@ private:
   template <int D>
   void sweep(const double* correction, double h, double factor, bool first);
   template <int D>
-  void add_all(std::span<double> forces);
+  void add_all(std::span<double> forces, bool last);
   template <int D>
   void record_all(const CorrectedNodes& nodes, double h, double dt);
 

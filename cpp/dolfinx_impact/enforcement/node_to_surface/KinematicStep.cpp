@@ -127,7 +127,8 @@ void KinematicStep::sum_weights(std::span<const double> inverse_mass)
 }
 
 /// Nodal sums of the contact forces and the displacements that they cause.
-void KinematicStep::sum_forces(const PredictedStep& step)
+/// @param[in] last it was the last sweep
+void KinematicStep::sum_forces(const PredictedStep& step, bool last)
 {
   CorrectedNodes& v = _values;
   bool deformable = false;
@@ -135,7 +136,7 @@ void KinematicStep::sum_forces(const PredictedStep& step)
   for_components(false, [force](std::size_t k) { force[k] = 0.0; });
   for (KinematicContact* contact : _contacts)
   {
-    contact->add_forces(v.force);
+    contact->add_forces(v.force, last);
     deformable = deformable || !contact->candidates().rigid();
   }
   if (deformable)
@@ -168,7 +169,7 @@ void KinematicStep::correct(const PredictedStep& step, std::span<double> u, std:
   {
     for (KinematicContact* contact : _contacts)
       contact->solve_forces(v, step.h, sweep % 2 ? over_relaxation : 1.0, sweep == 0);
-    sum_forces(step);
+    sum_forces(step, sweep + 1 == sweeps);
   }
   for_components(true,
                  [&](std::size_t k)

@@ -31,7 +31,7 @@ private:
   void sum_weights(std::span<const double> inverse_mass);
   template <int D>
   void find_largest_weights(std::span<const double> inverse_mass);
-  void sum_forces(const PredictedStep& step);
+  void sum_forces(const PredictedStep& step, bool last);
   /// Calls each(k) for the components of all nodes, or of those that the rank owns.
   void for_components(bool owned, auto&& each) const
   {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../common/prefetch.h"
 #include "MomentCorrection.h"
 #include <cstdint>
 #include <span>
@@ -14,6 +15,11 @@ class MasterForces
 public:
   void resize(std::size_t num) { _sums.assign(num, {}); }
 
+  /// Ask the memory for the sums of a facet's nodes.
+  void prefetch(int num, const std::int32_t* corners) const
+  {
+    for_nodes(num, [&](int j) { common::prefetch(_sums.data() + corners[j]); });
+  }
   /// Subtract a force on a slave's node from the nodes of its facet.
   /// @tparam W components, D or a whole register of four
   /// @param[in] corners positions of the nodes

@@ -54,9 +54,10 @@ NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets&
 NodePenalty::NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
                          const gap::Rigid* rigid, const NodePenaltyOptions& options)
     : NodeToSurface(V, slave, master, rigid, checked(options)), _penalty(options.penalty), _kappa(options.kappa),
-      _share(options.share), _by_step(options.by_step), _slave_compliance(num_nodes(), 0.0),
-      _stiffness(num_nodes(), 0.0), _springs(num_nodes())
+      _share(options.share), _by_step(options.by_step), _springs(num_nodes())
 {
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+    _springs[i].per_area = _per_area[i];
 }
 
 std::span<const std::int32_t> NodePenalty::required_nodes(operators::Halo& all)
@@ -114,7 +115,7 @@ void NodePenalty::add_to(state::State& saved) const
   for (const auto& [name, member] : spring_members)
   {
     std::vector<double> column(num_nodes());
-    std::ranges::transform(_springs, column.begin(), [member](const Spring& spring) { return spring.*member; });
+    std::ranges::transform(_springs, column.begin(), [member](const NodeSpring& spring) { return spring.*member; });
     saved.add_own(name, state::Place::node, std::move(column));
   }
 }
@@ -129,6 +130,15 @@ void NodePenalty::resume_nodes(const state::State& saved)
   }
 }
 
+std::vector<double> NodePenalty::stiffness() const
+{
+  std::vector<double> out(num_nodes(), 0.0);
+  for (std::size_t i = 0; i < num_nodes(); ++i)
+    if (_closed[i] == 1)
+      out[i] = 1.0 / _springs[i].compliance;
+  return out;
+}
+
 double NodePenalty::deepest_penetration() const
 {
   double deepest = 0.0;
@@ -141,7 +151,6 @@ double NodePenalty::deepest_penetration() const
 /// The stored energy of a node that opens without leaving through the surface is dissipated.
 void NodePenalty::drop_stored_energy(std::size_t i)
 {
-  _stiffness[i] = 0.0;
   Spring& spring = _springs[i];
   double squared = 0.0;
   for (int c = 0; c < _gdim; ++c)
@@ -164,7 +173,7 @@ void NodePenalty::update_compliances(double dt)
   for (std::size_t i = 0; i < num_nodes(); ++i)
   {
     const double known = _known.slave.empty() ? 0.0 : _known.slave[std::size_t(_candidates.nodes()[i])];
-    _slave_compliance[i] = node_compliance(known, _inverse_mass[i], dt);
+    _springs[i].node_compliance = node_compliance(known, _inverse_mass[i], dt);
   }
   for (std::size_t k = 0; k < _master_inverse_mass.size(); ++k)
   {
@@ -216,8 +225,9 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
   for (int c = 0; c < D; ++c)
     motion[c] = state.du[std::size_t(point.node) * D + c];
   // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
-  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * _per_area[i] / most : 0.0;
-  double own = _slave_compliance[i] + body, by_area = 0.0;
+  const NodeSpring& spring = _springs[i];
+  const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * spring.per_area / most : 0.0;
+  double own = spring.node_compliance + body, by_area = 0.0;
   if (_rigid)
   {
     double increment[D];
@@ -226,6 +236,7 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
       motion[c] -= increment[c];
   }
   const search::MasterNode* masters = _tracker.masters();
+  _master_forces.prefetch(point.num, point.corners);
   for_nodes(point.num,
             [&](int j)
             {
@@ -253,13 +264,12 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
     if (b.friction > 0.0)
       b.tangential[c][l] = _tangential[i * D + c];
   }
-  const Spring& spring = _springs[i];
   b.set_spring(l, spring);
   b.gap[l] = at.gap + spring.offset;
   b.beside[l] = at.rim == search::Projection::Rim::beside;
   b.begins[l] = _closed[i] != 1;
   b.oblique[l] = oblique;
-  b.per_area[l] = _per_area[i];
+  b.per_area[l] = spring.per_area;
   b.compliance[l] = own;
   b.area_compliance[l] = by_area;
 }
@@ -284,7 +294,7 @@ void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& 
   const SpringBatch& b = _batch;
   const std::size_t i = point.i;
   const search::Projection& at = point.at;
-  Spring& spring = _springs[i];
+  NodeSpring& spring = _springs[i];
   if (!(b.overlap[l] > 0.0))
   {
     double motion[D];
@@ -299,8 +309,8 @@ void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& 
   }
   if (!_rigid)
     _tracker.track(i, at);
-  const double offset = spring.offset, per_area = _per_area[i];
-  spring = b.spring(l);
+  const double offset = spring.offset, per_area = spring.per_area;
+  static_cast<Spring&>(spring) = b.spring(l);
   spring.offset = offset;
   _energy.normal -= b.normal_loss[l];
   double force[W] = {};
@@ -332,7 +342,6 @@ void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& 
   else
     _master_forces.react<W>(point.num, point.corners, point.phi, force);
   _closed[i] = 1;
-  _stiffness[i] = 1.0 / spring.compliance;
   _results.status[i] = status;
   _results.gap[i] = at.gap;
   _results.pressure[i] = spring.force * per_area;
@@ -354,7 +363,8 @@ void NodePenalty::add_all(const NodalState& state, std::span<double> f)
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
     ContactPoint& point = _points[b.num];
-    if ((!_rigid && _tracker.skipped(i)) || !find_contact(i, state.u.data(), state.du.data(), reach, true, point))
+    if ((!_rigid && _closed[i] != 1 && _tracker.skipped(i)) || // a closed node is active
+        !find_contact(i, state.u.data(), state.du.data(), reach, true, point))
       continue;
     add_node<D>(point, state);
     if (b.num == SpringBatch::size)

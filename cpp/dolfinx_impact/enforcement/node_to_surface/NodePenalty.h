@@ -68,13 +68,20 @@ public:
   double added_square_frequency(std::span<const double> mass) const override;
 
   /// Contact stiffness of each owned slave node in the last step; zero where open [F/L].
-  const std::vector<double>& stiffness() const { return _stiffness; }
+  std::vector<double> stiffness() const;
   /// Springs in a given configuration, outside of time stepping; call after `number`.
   /// @param[in] u displacements of the Halo's nodes [L]
   /// @throws std::invalid_argument without a given penalty
   NodalSprings springs_at(std::span<const double> u);
 
 private:
+  /// The spring of a slave node: what a step needs of it lies in one line of the cache.
+  struct alignas(64) NodeSpring : Spring
+  {
+    double node_compliance = 0.0; ///< of the node in the present step [L/F]
+    double per_area = 0.0;        ///< reciprocal of its area
+  };
+
   NodePenalty(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
               const gap::Rigid* rigid, const NodePenaltyOptions& options);
   double deepest_penetration() const override;
@@ -96,15 +103,13 @@ private:
 
   double _penalty, _kappa, _share;
   bool _by_step;
-  NodalCompliances _known;               ///< empty: none known
-  std::vector<double> _all_known;        ///< of the master over the nodes of the Halo of `needs` [L/F]
-  std::vector<double> _master_here;      ///< by position in NodeTracker's list of master nodes [L/F]
-  std::vector<double> _slave_compliance; ///< by slave node, in the present step [L/F]
-  double _compliance_step = 0.0;         ///< step that compliances were made for; 0: none yet [T]
+  NodalCompliances _known;          ///< empty: none known
+  std::vector<double> _all_known;   ///< of the master over the nodes of the Halo of `needs` [L/F]
+  std::vector<double> _master_here; ///< by position in NodeTracker's list of master nodes [L/F]
+  double _compliance_step = 0.0;    ///< step that compliances were made for; 0: none yet [T]
   MasterForces _master_forces;
   SpringBatch _batch = {};
   std::array<ContactPoint, SpringBatch::size> _points; ///< of the nodes in the batch
-  std::vector<double> _stiffness;
-  std::vector<Spring> _springs;
+  std::vector<NodeSpring> _springs;                    ///< by slave node
 };
 } // namespace dolfinx_impact::enforcement

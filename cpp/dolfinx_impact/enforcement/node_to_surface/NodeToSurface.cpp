@@ -405,6 +405,18 @@ double NodeToSurface::rounding(std::size_t i, const double* u) const
   return 4.0 * std::numeric_limits<double>::epsilon() * size;
 }
 
+/// Upper bound of that, from what the tracker has read: the displacement is no more than both positions together.
+template <int D>
+double NodeToSurface::most_rounding(std::size_t i) const
+{
+  if (_rigid)
+    return std::numeric_limits<double>::infinity();
+  double size = _obstacle_size;
+  for (int c = 0; c < D; ++c)
+    size += 2.0 * std::abs(_tracker.X(i)[c]) + std::abs(_tracker.x(i)[c]);
+  return 5.0 * std::numeric_limits<double>::epsilon() * size;
+}
+
 bool NodeToSurface::find_contact(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
                                  ContactPoint& point)
 {
@@ -424,7 +436,7 @@ bool NodeToSurface::find_contact_in(std::size_t i, const double* u, const double
   else
     _tracker.locate(i, u, du, at);
   adjust(i, at);
-  if (at.gap < 0.0 && at.gap > -rounding<D>(i, u))
+  if (at.gap < 0.0 && at.gap > -most_rounding<D>(i) && at.gap > -rounding<D>(i, u))
     at.gap = 0.0;
   if (_closed[i] != marked && (_rigid || _tracker.step() > 0.5 * _candidates.smallest()) &&
       passes_through(point, u, du))

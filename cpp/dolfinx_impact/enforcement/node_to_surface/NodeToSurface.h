@@ -183,6 +183,8 @@ private:
   template <int D>
   double rounding(std::size_t i, const double* u) const;
   template <int D>
+  double most_rounding(std::size_t i) const;
+  template <int D>
   bool find_contact_in(std::size_t i, const double* u, const double* du, double reach, bool keep_closed,
                        ContactPoint& point);
   bool is_marked(const ContactPoint& point, const double* u, const double* du);

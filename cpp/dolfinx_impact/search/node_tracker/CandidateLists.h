@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../common/prefetch.h"
 #include "NearFacets.h"
 #include <algorithm>
 #include <cmath>
@@ -63,11 +64,9 @@ public:
   /// Ask the memory for the entries of node i.
   void prefetch(std::size_t i) const
   {
-#if defined(__GNUC__)
     constexpr int line = 64 / sizeof(Entry);
     for (int k = 0; k < _lists[i].size; k += line)
-      __builtin_prefetch(_entries[i].facets + k);
-#endif
+      common::prefetch(_entries[i].facets + k);
   }
 
 private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "NodeTracker.h"
+#include "../../common/prefetch.h"
 #include "../closest_point/linear_facet.h"
 #include "SkipBound.h"
 #include <algorithm>
@@ -309,13 +310,21 @@ void NodeTracker::project_batch(const double* u, std::size_t first)
   // Nodes that are not tracked start from the middle: nothing depends on what a checkpoint does not have.
   constexpr double half = S == FacetShape::triangle ? 1.0 / 3 : 0.5;
   constexpr double middle[2] = {half, S == FacetShape::interval ? 0.0 : half};
+  // Their addresses are read from memory themselves: facets are asked for first, then the nodes of all of them.
+  for (std::size_t i = first; _batch.contains(i); ++i)
+    if (const std::int32_t winner = _lists.winner(i); winner >= 0)
+      common::prefetch(_surface.corners(winner));
   for (std::size_t i = first; _batch.contains(i); ++i)
   {
     const std::int32_t winner = _lists.winner(i), tracked = _tracked[i].facet;
-    if (winner < 0 || (tracked >= 0 && winner != tracked) || _lists.expired(i, _motion.path(i)) || skipped(i))
+    if (winner < 0 || (tracked >= 0 && winner != tracked) || _lists.expired(i, _motion.path(i)) ||
+        (tracked < 0 && skipped(i))) // a tracked node is active
       continue;
     _normals.require(i, u, _motion);
-    _batch.select<S>(i, winner, _surface.corners(winner));
+    const std::int32_t* corners = _surface.corners(winner);
+    for (int j = 0; j < linear::num_nodes<S>; ++j)
+      common::prefetch(_surface.node_data() + corners[j]);
+    _batch.select<S>(i, winner, corners);
   }
   for (int l = 0; l < _batch.num(); ++l)
   {
@@ -360,10 +369,11 @@ void NodeTracker::find_tracked()
 void NodeTracker::track(std::size_t i, const Projection& at)
 {
   Tracked& tracked = _tracked[i];
-  if (tracked.facet != at.facet || _tracked_ids[i] < 0)
+  if (tracked.facet != at.facet)
     _tracked_ids[i] = _surface.facets().id[at.facet];
+  if (tracked.facet < 0) // a tracked node is active
+    _schedule.activate(i);
   tracked = {{at.xi[0], at.xi[1]}, at.facet};
-  _schedule.activate(i);
 }
 
 void NodeTracker::release(std::size_t i, const Projection& at, const double* u)

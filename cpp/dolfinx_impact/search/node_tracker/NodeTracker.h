@@ -57,6 +57,9 @@ public:
   /// @param[in] u displacements [L]
   /// @param[in] du their increments since the last step [L]
   void advance(const double* u, const double* du);
+  /// Reference position of node i, and that of the last `advance` [L].
+  const double* X(std::size_t i) const { return _motion.X(i); }
+  const double* x(std::size_t i) const { return _motion.x(i); }
   /// Is node i skipped in this step? Then it does not come closer to the surface than half a step's motion.
   bool skipped(std::size_t i) const { return _schedule.skipped(i, _motion.path(i), _motion.step()); }
   /// Upper bound on the motion of nodes and surface against each other in the last step [L].

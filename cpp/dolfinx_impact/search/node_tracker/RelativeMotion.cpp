@@ -102,7 +102,8 @@ void RelativeMotion::add_step(const double* u, const double* du, TrackedSurface&
   {
     const std::size_t node = std::size_t(nodes[k]) * D;
     move(master, surface.X(k), u + node, data[k].x);
-    std::copy_n(du + node, D, data[k].du);
+    for (int c = 0; c < D; ++c) // std::copy_n calls a function
+      data[k].du[c] = du[node + c];
   }
   const double by_surface = room * surface.stretch() * std::sqrt(master.largest);
   for (Point& point : _points)
