@@ -149,10 +149,11 @@ bool SpringStart::close_nodes_of(enforcement::NodePenalty& springs) const
   state::State state = springs.saved_state();
   const auto closed = state.values<std::int8_t>("closed");
   const std::span<double> offset = state.values<double>("spring_offset");
+  const std::vector<double> stiffnesses = springs.stiffness();
   const double depth = first_guess * springs.facet_length();
   int num = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (!(springs.stiffness()[i] > 0.0) && std::isfinite(results.gap[i]) &&
+    if (!(stiffnesses[i] > 0.0) && std::isfinite(results.gap[i]) &&
         pressing(forces, nodes[i], results.normal, i, _gdim) > 0.0)
     {
       closed[i] = 1;
@@ -179,6 +180,7 @@ void SpringStart::hand_over_to(enforcement::NodePenalty& springs) const
     force /= double(_springs.size());
   const enforcement::NodalResults& results = springs.results();
   const std::span<const std::int32_t> nodes = springs.candidates().nodes();
+  const std::vector<double> stiffnesses = springs.stiffness();
   state::State state = springs.saved_state();
   const auto column = [&state](const char* name) { return state.values<double>(name); };
   const auto closed = state.values<std::int8_t>("closed");
@@ -190,7 +192,7 @@ void SpringStart::hand_over_to(enforcement::NodePenalty& springs) const
   for (std::size_t i = 0; i < nodes.size(); ++i)
   {
     const double *given = forces.data() + std::size_t(nodes[i]) * _gdim, *normal = results.normal.data() + i * _gdim;
-    const double pressed = pressing(forces, nodes[i], results.normal, i, _gdim), stiffness = springs.stiffness()[i];
+    const double pressed = pressing(forces, nodes[i], results.normal, i, _gdim), stiffness = stiffnesses[i];
     const bool inside = stiffness > 0.0, bears = inside && pressed > 0.0;
     const double found = inside ? results.gap[i] : 0.0; // nodes without a master have an infinite one
     compliance[i] = inside ? 1.0 / stiffness : 0.0;
