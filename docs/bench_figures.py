@@ -67,7 +67,8 @@ def figure(lines):
             start = len(dates) - len(runs)  # rows that were added later end with the others
             style = {"label": ", ".join(key)} if key in named else {"color": "0.8", "zorder": 0}
             ax.plot(range(start, len(dates)), relative, "o-", markersize=3, linewidth=1, **style)
-        labels = ["\n".join((date[:10], *commit.split())) for date, commit in dates]
+        # Of the date what fits beside its neighbours: months and days; the commit says the rest.
+        labels = ["\n".join((date[5:10], *commit.split())) for date, commit in dates]
         ax.set_xticks(range(len(dates)), labels, fontsize=7)
         ax.set(title=processor, ylabel="ratio over that of the first run [1]")
         ax.grid(alpha=0.3)
