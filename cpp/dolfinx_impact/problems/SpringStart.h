@@ -32,6 +32,8 @@ public:
   /// Collective [L].
   /// @throws common::Failure if no approach was found
   double approach() const;
+  /// May the slave body be moved? Not where supports hold it in each direction of the force.
+  bool can_approach() const { return _force > 0.0; }
   /// Move the slave body against the normal.
   /// @param[in,out] u displacements, owned and ghosts [L]
   /// @param[in] distance by which it is moved [L]

@@ -47,7 +47,8 @@ void start_from_equilibrium(ExplicitProblem& problem, const solve::EquilibriumPr
       continue;
     SpringStart start(contacts[k], problem, k, false);
     start.move(common::array(*u->x()), start.approach());
-    starts.push_back(std::move(start));
+    if (contacts[k]->has_multipliers() || !start.can_approach())
+      starts.push_back(std::move(start));
   }
   for (const ContactInTime& c : problem.contacts())
     for (const auto& direction : c.contact.directions())

@@ -10,8 +10,9 @@ namespace dolfinx_impact::problems
 /// moved against their master until the springs bear the static force, and springs begin with the static forces of the
 /// nodes; docs/explicit/penalty.md. Collective.
 ///
-/// Springs of an equilibrium have another stiffness, at other points, and their own friction: their nodal forces are
-/// handed over as those of multipliers are.
+/// Penalty springs of the equilibrium are compressed like those of the run: for them the approach is enough, and nodes
+/// that roll into the contact later find the same springs as those that are in it. Where supports hold the bodies
+/// against each other there is no approach, and nodal forces are handed over as those of multipliers are.
 /// @param[in,out] problem in the displacement of the equilibrium, no step made; its contacts are NodePenalty
 /// @param[in] equilibrium of the same materials, its contacts in the order of the problem's
 /// @param[in] observer as of ExplicitProblem::start

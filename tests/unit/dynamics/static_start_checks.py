@@ -59,13 +59,15 @@ def check_equilibrium_goes_on():
 
 
 def check_static_springs_go_on():
-    """Springs of an explicit contact begin with the nodal forces of an equilibrium by penalty, whose springs are at
-    quadrature points."""
+    """Springs of an equilibrium by penalty go on as springs of an explicit contact, without offsets."""
     static, bcs, loads, contact = blocks(1e9, penalty=1e6, springs=1e6)
     static.solve()
     run = di.ExplicitProblem.from_static(static, bcs=bcs, loads=loads, contact=contact)
+    assert not np.any(run.contact[0].sides()[0].saved_state().array("spring_offset"))
     run.advance(2.0 / np.sqrt(2e5))
-    assert np.abs(run.force_history[0][:, 1] / (0.6 * PRESSURE) - 1.0).max() < 5e-3
+    # One method integrates the overlap over facets, the other one has it at nodes: that moves a part of the force at
+    # the upper block's corners, where the pressure has its peaks.
+    assert np.abs(run.force_history[0][:, 1] / (0.6 * PRESSURE) - 1.0).max() < 0.05
 
 
 def check_balanced_springs_go_on():
