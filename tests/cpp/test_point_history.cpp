@@ -86,7 +86,7 @@ TEST_CASE("in place, evaluations add up and a snapshot brings them back")
 TEST_CASE("batches whose committed values are all zero are known, whatever has changed them")
 {
   PointHistory h(kernel_of_points(3), cells, 4);
-  const auto known = [&] { return std::vector<int>(h.has_history(), h.has_history() + 2); };
+  const auto known = [&] { return std::vector<int>(h.batches_with_history(), h.batches_with_history() + 2); };
   const std::vector<int> none{0, 0}, second{0, 1}, both{1, 1};
   std::vector<double> values(30, 0.0);
   CHECK(known() == none);

@@ -471,7 +471,7 @@ bool Batches::run_kernel_sweep(std::size_t num_batches, double* b) const
   for (int i = 0; i < int(_places.size()); ++i)
     _places[i] = _history->is_history(i) ? _history->overwritten(i) : nullptr;
   if (_history)
-    cells.has_history = _history->has_history();
+    cells.has_history = _history->batches_with_history();
   for (const Array& a : _coefficients)
   {
     if (a.field >= 0)

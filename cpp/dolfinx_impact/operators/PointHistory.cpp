@@ -33,7 +33,7 @@ void PointHistory::commit()
   _evaluated = _knows_history = false;
 }
 
-unsigned char* PointHistory::has_history()
+unsigned char* PointHistory::batches_with_history()
 {
   if (!_knows_history)
   {

@@ -79,10 +79,11 @@ public:
   {
     return _fields[field].committed.data() + batch * _fields[field].batch_size;
   }
-  /// Committed values of all batches, for kernels that work in place: they overwrite them, and keep `has_history`.
+  /// Committed values of all batches, for kernels that work in place: they overwrite them, and set the flags of
+  /// `batches_with_history`.
   double* overwritten(std::size_t field) { return _fields[field].committed.data(); }
   /// Of each batch whether a committed value may be other than +0.
-  unsigned char* has_history();
+  unsigned char* batches_with_history();
   /// Place of the trial values of a batch.
   double* trial(std::size_t field, std::size_t batch)
   {
