@@ -149,3 +149,96 @@ TEST_CASE("the force of a spring that is pressed is stiffness times overlap")
   CHECK(b->stored[0] == Approx(0.5 * 0.01 * 0.01 / compliance).epsilon(1e-13));
   CHECK(b->normal_loss[0] == Approx(0.0).margin(1e-15));
 }
+
+TEST_CASE("motions and compliances of many nodes follow from the nodes of their facets")
+{
+  using dolfinx_impact::search::MasterNode;
+  std::mt19937 random(3);
+  const auto uniform = [&] { return std::uniform_real_distribution<double>(-1.0, 1.0)(random); };
+  std::vector<MasterNode> masters(20);
+  for (MasterNode& master : masters)
+  {
+    for (int c = 0; c < 3; ++c)
+    {
+      master.x[c] = uniform();
+      master.du[c] = uniform();
+    }
+    master.compliance = 2.0 + uniform();
+    master.area_compliance = 2.0 + uniform();
+  }
+  for (const auto& [gdim, num_masters] :
+       {std::pair(2, 2), std::pair(2, 3), std::pair(3, 3), std::pair(3, 4), std::pair(3, 9)})
+    for (int num : {1, 4, 7, SpringBatch::size})
+    {
+      const auto given = nodes_over_facets(gdim, num_masters, 0.3);
+      given->num = num;
+      for (int l = 0; l < num; ++l)
+        for (int j = 0; j < num_masters; ++j)
+        {
+          given->phi[j][l] = uniform();
+          given->corners[j][l] = (7 * l + 3 * j) % 20;
+        }
+      SpringBatch b = *given;
+      read_masters(b, masters.data());
+      for (int l = 0; l < num; ++l)
+      {
+        double compliance = given->compliance[l], area_compliance = given->area_compliance[l], motion[3];
+        for (int c = 0; c < gdim; ++c)
+          motion[c] = given->motion[c][l];
+        for (int j = 0; j < num_masters; ++j)
+        {
+          const MasterNode& master = masters[given->corners[j][l]];
+          const double phi = given->phi[j][l];
+          compliance += std::abs(phi) * master.compliance;
+          area_compliance += std::abs(phi) * master.area_compliance;
+          for (int c = 0; c < gdim; ++c)
+          {
+            motion[c] -= phi * master.du[c];
+            CHECK(b.X[j][c][l] == master.x[c]);
+            CHECK(b.du[j][c][l] == master.du[c]);
+          }
+        }
+        // Each lane does what is done here, in the same order: the same to the last bit.
+        CHECK(b.compliance[l] == compliance);
+        CHECK(b.area_compliance[l] == area_compliance);
+        for (int c = 0; c < gdim; ++c)
+          CHECK(b.motion[c][l] == motion[c]);
+      }
+    }
+}
+
+TEST_CASE("nodes of facets get the reactions of the nodes that are closed")
+{
+  std::mt19937 random(5);
+  const auto uniform = [&] { return std::uniform_real_distribution<double>(-1.0, 1.0)(random); };
+  for (const auto& [gdim, num_masters] : {std::pair(2, 2), std::pair(3, 3), std::pair(3, 4), std::pair(3, 8)})
+    for (int num : {1, 6, SpringBatch::size})
+    {
+      const auto b = nodes_over_facets(gdim, num_masters, 0.0);
+      b->num = num;
+      std::vector<NodalSum> sums(10), expected(10);
+      for (int l = 0; l < num; ++l)
+      {
+        b->overlap[l] = l % 3 == 1 ? 0.0 : 1.0;
+        b->corrected[l] = l % 2;
+        for (int c = 0; c < gdim; ++c)
+          b->total[c][l] = uniform();
+        for (int j = 0; j < num_masters; ++j)
+        {
+          b->phi[j][l] = uniform();
+          b->corners[j][l] = (2 * l + j) % 10; // neighbours share nodes
+          for (int c = 0; c < gdim; ++c)
+          {
+            b->correction[j][c][l] = uniform();
+            if (b->overlap[l] > 0.0)
+              expected[b->corners[j][l]].force[c] +=
+                  (b->corrected[l] > 0.0 ? b->correction[j][c][l] : 0.0) - b->phi[j][l] * b->total[c][l];
+          }
+        }
+      }
+      add_reactions(*b, sums.data());
+      for (int node = 0; node < 10; ++node)
+        for (int c = 0; c < gdim; ++c) // sums of a dozen numbers of size one
+          CHECK(sums[node].force[c] == Approx(expected[node].force[c]).margin(1e-14));
+    }
+}

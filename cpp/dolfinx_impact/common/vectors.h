@@ -17,7 +17,9 @@ inline double dot(const double* a, const double* b, int n)
 }
 
 /// Vector product of vectors of three components; `out` is another vector.
-inline void cross(const double* a, const double* b, double* out)
+/// @tparam T double, or a vector of doubles
+template <typename T>
+inline void cross(const T* a, const T* b, T* out)
 {
   out[0] = a[1] * b[2] - a[2] * b[1];
   out[1] = a[2] * b[0] - a[0] * b[2];

@@ -7,14 +7,16 @@
 namespace dolfinx_impact::surface
 {
 /// Normal vector of a facet, not normalised: its tangent turned clockwise in the plane, their product in space.
+/// @tparam T double, or a vector of doubles: a facet in each lane
 /// @param[in] a tangents. @param[out] n three components
-inline void normal_vector(int gdim, const double a[2][3], double* n)
+template <typename T>
+inline void normal_vector(int gdim, const T (*a)[3], T* n)
 {
   if (gdim == 2)
   {
     n[0] = a[0][1];
     n[1] = -a[0][0];
-    n[2] = 0.0;
+    n[2] = T{};
   }
   else
     dolfinx_impact::cross(a[0], a[1], n);

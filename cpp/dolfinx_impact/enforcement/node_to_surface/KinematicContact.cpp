@@ -40,18 +40,11 @@ KinematicContact::KinematicContact(const surface::FunctionSpace& V, const surfac
     : NodeToSurface(V, slave, master, rigid, checked(options)), _sweeps(options.sweeps),
       _num_masters(master ? master->displacement.num_nodes() : 0)
 {
-  const std::size_t n = num_nodes(), vector = n * _gdim;
+  const std::size_t n = num_nodes();
   _absorbed_energy.assign(n, 0.0);
   _impulse.assign(n, 0.0);
-  _closed_now.resize(n);
-  _phi.resize(n * _num_masters);
-  for (std::vector<double>* a : {&_motion, &_turn, &_nodal_force})
-    a->assign(vector, 0.0);
-  _moment_corrections.resize(n);
-  _arms.resize(vector * _num_masters);
-  _corrections.resize(vector * _num_masters);
-  _normal_mass.assign(n, 0.0);
-  _isotropic_mass.assign(n, 0.0);
+  _batches.resize((n + ClosedBatch::size - 1) / ClosedBatch::size);
+  _rules = {_gdim, _num_masters, options.has_friction(), corrects_moments(), false};
   _coefficients.value.assign(n, options.friction);
   if (!options.friction_law)
     return;
@@ -78,25 +71,72 @@ void KinematicContact::assign_numbers(operators::Halo& halo, std::span<const std
 {
   NodeToSurface::assign_numbers(halo, numbers, mass);
   _fields.assign_numbers(halo, numbers, _candidates.num_owned());
+  _rules.linear_facets = !_rigid && _tracker.has_linear_facets();
   _contact_nodes.assign(_candidates.watched_numbers().begin(), _candidates.watched_numbers().end());
   _contact_nodes.insert(_contact_nodes.end(), _tracker.master().nodes.begin(), _tracker.master().nodes.end());
   std::sort(_contact_nodes.begin(), _contact_nodes.end());
   _contact_nodes.erase(std::unique(_contact_nodes.begin(), _contact_nodes.end()), _contact_nodes.end());
 }
 
-/// Value at closed node q minus the value interpolated at its projection on the master.
+/// Value at a closed node minus the value interpolated at its projection on the master.
+/// @param[in] values padded as in CorrectedNodes
 template <int D>
-inline void KinematicContact::relative_to_master(std::size_t q, const double* values, double* out) const
+inline void KinematicContact::relative_to_master(const ClosedBatch& b, int l, const double* values, double* out) const
 {
-  const Closed& closed = _closed_now[q];
-  const double* phi = _phi.data() + q * _num_masters;
+  constexpr int stride = CorrectedNodes::stride(D);
   for (int c = 0; c < D; ++c)
-    out[c] = values[std::size_t(closed.node) * D + c];
+    out[c] = values[std::size_t(b.node[l]) * stride + c];
   for_nodes(_num_masters,
             [&](int j)
             {
               for (int c = 0; c < D; ++c)
-                out[c] -= phi[j] * values[std::size_t(closed.masters[j]) * D + c];
+                out[c] -= b.masters[j].phi[l] * values[std::size_t(b.masters[j].node[l]) * stride + c];
+            });
+}
+
+/// Puts a node that receives a force into the batch, and completes the batch when it is full.
+template <int D>
+void KinematicContact::add_node(const ContactPoint& point, bool releases, const PredictedStep& step, const double* u)
+{
+  const double* du = step.du.data();
+  const std::size_t q = _num_closed++, i = point.i, k = std::size_t(point.node) * D;
+  ClosedBatch& b = batch(q);
+  const int l = lane(q);
+  b.num = l + 1;
+  b.node[l] = point.node;
+  b.slave[l] = std::int32_t(i);
+  b.releases[l] = releases;
+  b.overlap[l] = -point.at.gap;
+  double normal[3];
+  std::copy_n(point.at.normal, 3, normal);
+  _input.along_facet[l] = 0.0;
+  if (!_rigid)
+  {
+    // Forces act at t_n, along the facet's normal then: the predicted facet is tilted by the lack of these very forces.
+    if (_rules.linear_facets)
+    {
+      _input.along_facet[l] = point.at.on_facet();
+      _input.orientation[l] = _tracker.master().orientation[point.at.facet];
+      for (int a = 0; a < 2; ++a)
+        _input.xi[a][l] = point.at.xi[a];
+    }
+    else if (point.at.on_facet())
+      _tracker.normal_before(point.at, u, du, normal);
+    _tracker.track(i, point.at);
+  }
+  for (int c = 0; c < D; ++c)
+  {
+    b.normal[c][l] = normal[c];
+    b.motion[c][l] = du[k + c] - (_rigid ? _obstacle_motion.increment[c] : 0.0);
+    b.force[c][l] = 0.0;
+    _input.x[c][l] = _rigid ? 0.0 : _tracker.x(i)[c] - du[k + c];
+  }
+  for_nodes(_num_masters,
+            [&](int j)
+            {
+              b.masters[j].phi[l] = point.phi[j];
+              b.masters[j].node[l] = point.masters[j];
+              b.masters[j].corner[l] = point.corners[j];
             });
 }
 
@@ -105,6 +145,12 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
 {
   const double* du = step.du.data();
   _num_closed = 0;
+  const auto complete = [this]
+  {
+    ClosedBatch& b = batch(_num_closed - 1);
+    fill_lanes(_rules, b, _input);
+    read_masters(_rules, b, _input, _rigid ? nullptr : _tracker.masters());
+  };
   ContactPoint point;
   for (std::size_t i = 0; i < _candidates.nodes().size(); ++i)
   {
@@ -123,50 +169,14 @@ void KinematicContact::find_closed(const PredictedStep& step, const double* u)
       _absorbed_energy[i] = _impulse[i] = 0.0;
       continue;
     }
-    const std::size_t q = _num_closed++;
-    Closed& closed = _closed_now[q];
-    closed = {point.masters, point.corners, {}, -point.at.gap, std::uint32_t(i), point.node, releases};
-    std::copy_n(point.at.normal, 3, closed.normal);
-    // Forces act at t_n, along the facet's normal then: the predicted facet is tilted by the lack of these very forces.
-    if (!_rigid && point.at.on_facet())
-      _tracker.normal_before(point.at, u, du, closed.normal);
-    for_nodes(_num_masters, [&](int j) { _phi[q * _num_masters + j] = point.phi[j]; });
-    if (!_rigid)
-      _tracker.track(i, point.at);
-    if (corrects_moments())
-    {
-      double x[D];
-      for (int c = 0; c < D; ++c)
-      {
-        const std::size_t k = std::size_t(point.node) * D + c;
-        x[c] = _candidates.X()[i * D + c] + (u[k] - du[k]);
-      }
-      const auto at = [&](int j, int c)
-      {
-        const search::MasterNode& master = _tracker.masters()[point.corners[j]];
-        return master.x[c] - master.du[c];
-      };
-      _moment_corrections[q].set<D>(_num_masters, at, point.phi, x, _arms.data() + q * _num_masters * D);
-    }
-    // As relative_to_master, from what the tracker has of the master's nodes: the projection has just read it.
-    double* motion = _motion.data() + q * D;
-    for (int c = 0; c < D; ++c)
-      motion[c] = du[std::size_t(point.node) * D + c] - (_rigid ? _obstacle_motion.increment[c] : 0.0);
-    for_nodes(_num_masters,
-              [&](int j)
-              {
-                for (int c = 0; c < D; ++c)
-                  motion[c] -= point.phi[j] * _tracker.masters()[point.corners[j]].du[c];
-              });
-    // A node that sticks at a distance, within layers of the surfaces, turns with the facet: that is no slip.
-    double* turn = _turn.data() + q * D;
-    std::fill_n(turn, D, 0.0);
-    if (corrects_moments() && _options.has_friction())
-      _moment_corrections[q].add_rotation<D>(
-          _num_masters, _arms.data() + q * _num_masters * D,
-          [&](int j, int c) { return _tracker.masters()[point.corners[j]].du[c]; }, turn);
+    add_node<D>(point, releases, step, u);
+    if (lane(_num_closed) == 0)
+      complete();
   }
-  std::fill_n(_nodal_force.data(), _num_closed * D, 0.0);
+  if (lane(_num_closed) != 0)
+    complete();
+  if (!_options.friction_law)
+    for_batches([this](ClosedBatch& b) { std::fill_n(b.friction, ClosedBatch::size, _options.friction); });
 }
 
 void KinematicContact::predict(const PredictedStep& step, std::span<const double> u)
@@ -180,50 +190,53 @@ void KinematicContact::predict(const PredictedStep& step, std::span<const double
   _gdim == 2 ? find_closed<2>(step, u.data()) : find_closed<3>(step, u.data());
 }
 
-/// Forces on the master nodes of closed node q that balance a unit normal force on it, [j*D + c].
+/// Forces on the master's nodes that balance a unit normal force on a closed node, [j*D + c].
 template <int D>
-void KinematicContact::reaction(std::size_t q, double* out) const
+void KinematicContact::reaction(const ClosedBatch& b, int l, double* out) const
 {
-  const double* n = _closed_now[q].normal;
+  double n[D];
+  for (int c = 0; c < D; ++c)
+    n[c] = b.normal[c][l];
   for (int j = 0; j < _num_masters; ++j)
     for (int c = 0; c < D; ++c)
-      out[j * D + c] = -_phi[q * _num_masters + j] * n[c];
-  if (corrects_moments())
-    _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, n,
-                                     [&](int j, int c, double value) { out[j * D + c] += value; });
+      out[j * D + c] = -b.masters[j].phi[l] * n[c];
+  if (!corrects_moments())
+    return;
+  double arms[surface::FacetElement::max_nodes * D];
+  const MomentCorrection moments = b.moments(_rules, l, arms);
+  moments.forces<D>(_num_masters, arms, n, [&](int j, int c, double value) { out[j * D + c] += value; });
 }
 
 template <int D>
 void KinematicContact::weigh(CorrectedNodes& nodes) const
 {
-  for (std::size_t q = 0; q < _num_closed; ++q)
-  {
-    const Closed& closed = _closed_now[q];
-    const double* n = closed.normal;
-    // With friction, forces act in all directions; without, along the normal.
-    const auto add = [&](std::size_t node, double part)
-    {
-      nodes.weight[node] += part;
-      if (nodes.largest.empty() || !nodes.shared[node])
-        return;
-      int entry = 0;
-      for (int c = 0; c < D; ++c)
-        for (int d = 0; d <= c; ++d, ++entry)
-          nodes.tensor[entry / 3][3 * node + entry % 3] +=
-              part * (_options.has_friction() ? double(c == d) : n[c] * n[d]);
-    };
-    add(closed.node, 1.0);
-    if (closed.releases)
-    {
-      double pushed[surface::FacetElement::max_nodes * D];
-      reaction<D>(q, pushed);
-      for (int j = 0; j < _num_masters; ++j)
-        add(closed.masters[j], std::sqrt(dot(pushed + j * D, pushed + j * D, D)));
-    }
-    else
-      for (int j = 0; j < _num_masters; ++j)
-        add(closed.masters[j], std::abs(_phi[q * _num_masters + j]));
-  }
+  for_closed(
+      [&](const ClosedBatch& b, int l, std::size_t)
+      {
+        // With friction, forces act in all directions; without, along the normal.
+        const auto add = [&](std::size_t node, double part)
+        {
+          nodes.weight[node] += part;
+          if (nodes.largest.empty() || !nodes.shared[node])
+            return;
+          int entry = 0;
+          for (int c = 0; c < D; ++c)
+            for (int d = 0; d <= c; ++d, ++entry)
+              nodes.tensor[entry / 3][3 * node + entry % 3] +=
+                  part * (_options.has_friction() ? double(c == d) : b.normal[c][l] * b.normal[d][l]);
+        };
+        add(b.node[l], 1.0);
+        if (b.releases[l] > 0.0)
+        {
+          double pushed[surface::FacetElement::max_nodes * D];
+          reaction<D>(b, l, pushed);
+          for (int j = 0; j < _num_masters; ++j)
+            add(b.masters[j].node[l], std::sqrt(dot(pushed + j * D, pushed + j * D, D)));
+        }
+        else
+          for (int j = 0; j < _num_masters; ++j)
+            add(b.masters[j].node[l], std::abs(b.masters[j].phi[l]));
+      });
 }
 
 void KinematicContact::add_weights(CorrectedNodes& nodes) const
@@ -233,72 +246,72 @@ void KinematicContact::add_weights(CorrectedNodes& nodes) const
 
 /// Effective masses of a sweep: reciprocals of row sums of the response matrix, along the normal and in all directions.
 template <int D>
-void KinematicContact::set_masses(const double* inverse_mass, const std::vector<double>& weight)
+void KinematicContact::set_masses(ClosedBatch& b, const double* inverse_mass, const std::vector<double>& weight)
 {
-  for (std::size_t q = 0; q < _num_closed; ++q)
+  for (int l = 0; l < ClosedBatch::size; ++l)
   {
-    const Closed& closed = _closed_now[q];
-    const double* phi = _phi.data() + q * _num_masters;
     double w[D], along = 0.0, across = 0.0;
     for (int c = 0; c < D; ++c)
-      w[c] = weight[closed.node] * inverse_mass[std::size_t(closed.node) * D + c];
+      w[c] = weight[b.node[l]] * inverse_mass[std::size_t(b.node[l]) * D + c];
     for_nodes(_num_masters,
               [&](int j)
               {
-                const std::size_t node = closed.masters[j];
+                const std::size_t node = b.masters[j].node[l];
+                const double part = std::abs(b.masters[j].phi[l]) * weight[node];
                 for (int c = 0; c < D; ++c)
-                  w[c] += std::abs(phi[j]) * weight[node] * inverse_mass[node * D + c];
+                  w[c] += part * inverse_mass[node * D + c];
               });
-    const double* n = closed.normal;
     for (int c = 0; c < D; ++c)
     {
-      along += n[c] * n[c] * w[c];
+      along += b.normal[c][l] * b.normal[c][l] * w[c];
       across = std::max(across, w[c]);
     }
-    _normal_mass[q] = along > negligible * across ? 1.0 / along : 0.0;
-    _isotropic_mass[q] = across > 0.0 ? 1.0 / across : 0.0;
+    b.normal_mass[l] = along > negligible * across ? 1.0 / along : 0.0;
+    b.isotropic_mass[l] = across > 0.0 ? 1.0 / across : 0.0;
   }
 }
 
 /// Normal forces of the nodes that open: each force returns at most the energy that contact has absorbed from the node
 /// since it closed, and its impulse is bounded by that of the last steps (docs/explicit/kinematic.md, "Release").
 template <int D>
-void KinematicContact::solve_release_forces(const PredictedStep& step, const CorrectedNodes& nodes)
+void KinematicContact::solve_release_forces(ClosedBatch& b, const PredictedStep& step, const CorrectedNodes& nodes)
 {
+  constexpr int stride = CorrectedNodes::stride(D);
   const double *du = step.du.data(), *inverse_mass = step.inverse_mass.data(), h = step.h, dt = step.dt;
-  for (std::size_t q = 0; q < _num_closed; ++q)
+  for (int l = 0; l < b.num; ++l)
   {
-    const Closed& closed = _closed_now[q];
-    if (!closed.releases)
+    if (!(b.releases[l] > 0.0))
       continue;
-    const double* n = closed.normal;
-    double before[3], pushed[surface::FacetElement::max_nodes * D];
-    relative_to_master<D>(q, nodes.before.data(), before);
+    const std::size_t i = std::size_t(b.slave[l]);
+    double n[D], before[D], pushed[surface::FacetElement::max_nodes * D];
+    for (int c = 0; c < D; ++c)
+      n[c] = b.normal[c][l];
+    relative_to_master<D>(b, l, nodes.before.data(), before);
     // Work of a unit force on the predicted motion, and the displacement (times 2/h) that the unit force adds.
     double way = 0.0, moves = 0.0;
     for (int c = 0; c < D; ++c)
     {
-      way += 0.5 * n[c] * (before[c] - (_rigid ? _obstacle_before.increment[c] : 0.0) + _motion[q * D + c]);
-      moves += n[c] * n[c] * nodes.weight[closed.node] * inverse_mass[std::size_t(closed.node) * D + c];
+      way += 0.5 * n[c] * (before[c] - (_rigid ? _obstacle_before.increment[c] : 0.0) + b.motion[c][l]);
+      moves += n[c] * n[c] * nodes.weight[b.node[l]] * inverse_mass[std::size_t(b.node[l]) * D + c];
     }
-    reaction<D>(q, pushed);
+    reaction<D>(b, l, pushed);
     for (int j = 0; j < _num_masters; ++j)
     {
-      const std::size_t node = closed.masters[j];
-      const double phi = _phi[q * _num_masters + j], size = std::sqrt(dot(pushed + j * D, pushed + j * D, D));
+      const std::size_t node = b.masters[j].node[l];
+      const double phi = b.masters[j].phi[l], size = std::sqrt(dot(pushed + j * D, pushed + j * D, D));
       for (int c = 0; c < D; ++c)
       {
         const double push = pushed[j * D + c], correction = push + phi * n[c];
-        way += 0.5 * correction * (nodes.before[node * D + c] + du[node * D + c]);
+        way += 0.5 * correction * (nodes.before[node * stride + c] + du[node * D + c]);
         if (size > 0.0)
           moves += push * push / size * nodes.weight[node] * inverse_mass[node * D + c];
       }
     }
-    const double taken = step.release_share * _absorbed_energy[closed.i], most = _impulse[closed.i] * dt / h;
+    const double taken = step.release_share * _absorbed_energy[i], most = _impulse[i] * dt / h;
     const double force =
         taken > 0.0 ? std::min(most, 2.0 * taken / (way + std::sqrt(way * way + 2.0 * h * moves * taken))) : 0.0;
     for (int c = 0; c < D; ++c)
-      _nodal_force[q * D + c] = force * n[c];
+      b.force[c][l] = force * n[c];
   }
 }
 
@@ -310,135 +323,87 @@ void KinematicContact::begin_friction(const PredictedStep& step, const Corrected
   _friction_points.resize(_num_closed);
   for (std::size_t q = 0; q < _num_closed; ++q)
   {
-    const Closed& closed = _closed_now[q];
-    const double* n = closed.normal;
-    double before[D];
-    relative_to_master<D>(q, nodes.before.data(), before);
+    const ClosedBatch& b = batch(q);
+    const int l = lane(q);
+    double n[D], before[D], phi[surface::FacetElement::max_nodes];
+    std::int32_t masters[surface::FacetElement::max_nodes];
+    for (int j = 0; j < _num_masters; ++j)
+    {
+      phi[j] = b.masters[j].phi[l];
+      masters[j] = b.masters[j].node[l];
+    }
+    relative_to_master<D>(b, l, nodes.before.data(), before);
     // The facet turns by about as much in this step as in the one before.
     for (int c = 0; c < D; ++c)
-      before[c] += _turn[q * D + c] - (_rigid ? _obstacle_before.increment[c] : 0.0);
+    {
+      n[c] = b.normal[c][l];
+      before[c] += b.turn[c][l] - (_rigid ? _obstacle_before.increment[c] : 0.0);
+    }
     const double along = dot(n, before, D);
     for (int c = 0; c < D; ++c)
     {
       _friction_points.slip_rate[q * D + c] = (before[c] - along * n[c]) / step.dt;
       _friction_points.normal[q * D + c] = n[c];
     }
-    _friction_points.pressure[q] = _results.pressure[closed.i];
+    _friction_points.pressure[q] = _results.pressure[b.slave[l]];
     for (std::size_t f = 0; f < _fields.size(); ++f)
     {
-      _friction_points.slave_fields[f][q] = _fields.at(f, closed.node);
-      _friction_points.master_fields[f][q] = _fields.at(f, _num_masters, closed.masters, &_phi[q * _num_masters]);
+      _friction_points.slave_fields[f][q] = _fields.at(f, b.node[l]);
+      _friction_points.master_fields[f][q] = _fields.at(f, _num_masters, masters, phi);
     }
   }
-  _options.friction_law->evaluate(_friction_points, _coefficients);
+  take_coefficients();
 }
 
 /// Coefficients at the forces of the last sweep.
 void KinematicContact::update_friction()
 {
   for (std::size_t q = 0; q < _num_closed; ++q)
-    _friction_points.pressure[q] =
-        dot(_closed_now[q].normal, &_nodal_force[q * _gdim], _gdim) / _candidates.areas()[_closed_now[q].i];
+  {
+    const ClosedBatch& b = batch(q);
+    const int l = lane(q);
+    double along = 0.0;
+    for (int c = 0; c < _gdim; ++c)
+      along += b.normal[c][l] * b.force[c][l];
+    _friction_points.pressure[q] = along / _candidates.areas()[b.slave[l]];
+  }
+  take_coefficients();
+}
+
+void KinematicContact::take_coefficients()
+{
   _options.friction_law->evaluate(_friction_points, _coefficients);
+  for (std::size_t q = 0; q < num_batches() * ClosedBatch::size; ++q)
+    batch(q).friction[lane(q)] = _coefficients.value[std::min(q, _num_closed - 1)];
 }
 
 void KinematicContact::begin(const PredictedStep& step, const CorrectedNodes& nodes)
 {
   if (_options.friction_law)
     _gdim == 2 ? begin_friction<2>(step, nodes) : begin_friction<3>(step, nodes);
-  const double* inverse_mass = step.inverse_mass.data();
-  if (_gdim == 2)
-  {
-    set_masses<2>(inverse_mass, nodes.in_sweeps());
-    solve_release_forces<2>(step, nodes);
-  }
-  else
-  {
-    set_masses<3>(inverse_mass, nodes.in_sweeps());
-    solve_release_forces<3>(step, nodes);
-  }
 }
 
 template <int D>
-void KinematicContact::sweep(const double* correction, double h, double factor, bool first)
+void KinematicContact::sweep_all(const PredictedStep& step, CorrectedNodes& nodes, double factor, Sweep which)
 {
-  for (std::size_t q = 0; q < _num_closed; ++q)
-  {
-    const Closed& closed = _closed_now[q];
-    const double* n = closed.normal;
-    double moved[3] = {0.0, 0.0, 0.0}, more[3] = {0.0, 0.0, 0.0}, *f = _nodal_force.data() + q * D;
-    if (!first)
-      relative_to_master<D>(q, correction, moved);
-    const double pushed = closed.releases ? 0.0 : factor / h * _normal_mass[q] * (closed.overlap - dot(n, moved, D));
-    if (_options.has_friction())
-    {
-      for (int c = 0; c < D; ++c)
-        moved[c] += _motion[q * D + c] + _turn[q * D + c];
-      const double away = dot(n, moved, D);
-      for (int c = 0; c < D; ++c)
-        more[c] = factor / h * _isotropic_mass[q] * (away * n[c] - moved[c]);
-    }
-    for (int c = 0; c < D; ++c)
-      more[c] += pushed * n[c];
-    const double along = dot(n, more, D), before = dot(n, f, D), normal = std::max(0.0, before + along);
-    double tangential[3] = {0.0, 0.0, 0.0};
-    ContactStatus status = normal > 0.0 ? ContactStatus::slip : ContactStatus::open;
-    if (_options.has_friction())
-    {
-      for (int c = 0; c < D; ++c)
-        tangential[c] = f[c] - before * n[c] + more[c] - along * n[c];
-      const double size = std::sqrt(dot(tangential, tangential, D)), limit = _coefficients.value[q] * normal;
-      // Without a branch: nodes slip and stick beside each other. Where a law returns no number, `part` is none: it is
-      // seen in the motion, and ends the run.
-      const double part = std::min(limit / std::max(size, std::numeric_limits<double>::min()), 1.0);
-      for (int c = 0; c < D; ++c)
-        tangential[c] *= part;
-      if ((size <= limit) & (normal > 0.0))
-        status = ContactStatus::stick;
-    }
-    _results.status[closed.i] = status;
-    for (int c = 0; c < D; ++c)
-      f[c] = normal * n[c] + tangential[c];
-  }
+  for_batches(
+      [&](ClosedBatch& b)
+      {
+        if (which.first)
+        {
+          set_masses<D>(b, step.inverse_mass.data(), nodes.in_sweeps());
+          solve_release_forces<D>(b, step, nodes);
+        }
+        enforcement::solve_forces(_rules, b, nodes.correction.data(), step.h, factor, which.first);
+        enforcement::add_forces(_rules, b, nodes.force.data(), which.last);
+      });
 }
 
-void KinematicContact::solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first)
+void KinematicContact::sweep(const PredictedStep& step, CorrectedNodes& nodes, double factor, Sweep which)
 {
-  const double* correction = nodes.correction.data();
-  _gdim == 2 ? sweep<2>(correction, h, factor, first) : sweep<3>(correction, h, factor, first);
+  _gdim == 2 ? sweep_all<2>(step, nodes, factor, which) : sweep_all<3>(step, nodes, factor, which);
   if (_options.friction_law && _options.friction_law->has_pressure())
     update_friction();
-}
-
-template <int D>
-void KinematicContact::add_all(std::span<double> forces, bool last)
-{
-  double corrections[surface::FacetElement::max_nodes * D];
-  for (std::size_t q = 0; q < _num_closed; ++q)
-  {
-    const Closed& closed = _closed_now[q];
-    const double *f = _nodal_force.data() + q * D, *phi = _phi.data() + q * _num_masters;
-    for (int c = 0; c < D; ++c)
-      forces[std::size_t(closed.node) * D + c] += f[c];
-    double* const more = last ? _corrections.data() + q * _num_masters * D : corrections;
-    if (corrects_moments())
-      _moment_corrections[q].forces<D>(_num_masters, _arms.data() + q * _num_masters * D, f,
-                                       [&](int j, int c, double value) { more[j * D + c] = value; });
-    else
-      std::fill_n(more, _num_masters * D, 0.0);
-    for_nodes(_num_masters,
-              [&](int j)
-              {
-                double* to = forces.data() + std::size_t(closed.masters[j]) * D;
-                for (int c = 0; c < D; ++c)
-                  to[c] = to[c] - phi[j] * f[c] + more[j * D + c];
-              });
-  }
-}
-
-void KinematicContact::add_forces(std::span<double> forces, bool last)
-{
-  _gdim == 2 ? add_all<2>(forces, last) : add_all<3>(forces, last);
 }
 
 /// A force works half on the increment before it and half on the increment after it.
@@ -449,58 +414,45 @@ void KinematicContact::record_all(const CorrectedNodes& nodes, double h, double 
   _energy.normal += _energy.later_normal;
   _energy.friction += _energy.later_friction;
   _energy.later_normal = _energy.later_friction = _energy.recoverable = 0.0;
-  for (std::size_t q = 0; q < _num_closed; ++q)
-  {
-    const Closed& closed = _closed_now[q];
-    const std::size_t i = closed.i;
-    const double *n = closed.normal, *f = _nodal_force.data() + q * D, area = _candidates.areas()[i];
-    double moved[3], before[3], slip[3];
-    relative_to_master<D>(q, nodes.correction.data(), moved);
-    relative_to_master<D>(q, nodes.before.data(), before);
-    _results.gap[i] = dot(n, moved, D) - closed.overlap;
-    std::copy_n(n, D, _results.normal.data() + i * D);
-    const double normal = dot(n, f, D);
-    for (int c = 0; c < D; ++c)
-    {
-      moved[c] += _motion[q * D + c];
-      before[c] -= _rigid ? _obstacle_before.increment[c] : 0.0;
-      _force[c] += f[c];
-      _results.traction[i * D + c] = f[c] / area;
-      _tangential[i * D + c] = f[c] - normal * n[c];
-    }
-    _results.pressure[i] = normal / area;
-    const double* turn = _turn.data() + q * D;
-    for (int c = 0; c < D; ++c)
-      slip[c] = moved[c] + turn[c] - (dot(n, moved, D) + dot(n, turn, D)) * n[c];
-    const double along = 0.5 * normal * dot(n, before, D), along_later = 0.5 * normal * dot(n, moved, D);
-    double work = along, later = along_later;
-    if (corrects_moments())
-      for_nodes(_num_masters,
-                [&](int j)
-                {
-                  const double* const du = _tracker.masters()[closed.corners[j]].du;
-                  const std::size_t node = std::size_t(closed.masters[j]) * D;
-                  for (int c = 0; c < D; ++c)
-                  {
-                    const double value = _corrections[(q * _num_masters + j) * D + c];
-                    work += 0.5 * value * nodes.before[node + c];
-                    later += 0.5 * value * (du[c] + nodes.correction[node + c]);
-                  }
-                });
-    _energy.normal += work;
-    _energy.friction -= 0.5 * dot(f, before, D) - along;
-    _energy.later_normal += later;
-    _energy.later_friction -= 0.5 * dot(f, moved, D) - along_later;
-    _absorbed_energy[i] = closed.releases ? 0.0 : _absorbed_energy[i] - work - later;
-    _energy.recoverable += std::max(0.0, _absorbed_energy[i]);
-    _impulse[i] = closed.releases ? 0.0 : impulse_decay * _impulse[i] + normal * h / dt;
-    if (_options.has_friction() && _results.status[i] == ContactStatus::slip)
-      for (int c = 0; c < D; ++c)
-        _results.slip[i * D + c] += slip[c];
-    _closed[i] = 1;
-    if (_results.status[i] == ContactStatus::open)
-      std::fill_n(_results.slip.data() + i * D, D, 0.0);
-  }
+  const search::MasterNode* masters = _rigid ? nullptr : _tracker.masters();
+  const std::array<double, 3> obstacle = _rigid ? _obstacle_before.increment : std::array<double, 3>{};
+  const ClosedResult& r = _result;
+  for_batches(
+      [&](ClosedBatch& b)
+      {
+        measure(_rules, b, masters, nodes.correction.data(), nodes.before.data(), obstacle.data(), _result);
+        for (int l = 0; l < b.num; ++l)
+        {
+          const std::size_t i = std::size_t(b.slave[l]);
+          const double area = _candidates.areas()[i], normal = r.normal[l], work = r.work[l], later = r.later_work[l];
+          const bool releases = b.releases[l] > 0.0;
+          const ContactStatus status = b.sticks[l] > 0.0 ? ContactStatus::stick
+                                       : normal > 0.0    ? ContactStatus::slip
+                                                         : ContactStatus::open;
+          _results.gap[i] = r.gap[l];
+          _results.status[i] = status;
+          _results.pressure[i] = normal / area;
+          for (int c = 0; c < D; ++c)
+          {
+            _force[c] += b.force[c][l];
+            _results.normal[i * D + c] = b.normal[c][l];
+            _results.traction[i * D + c] = b.force[c][l] / area;
+            _tangential[i * D + c] = r.tangential[c][l];
+            double& slip = _results.slip[i * D + c];
+            slip = status == ContactStatus::open                              ? 0.0
+                   : _options.has_friction() && status == ContactStatus::slip ? slip + r.slip[c][l]
+                                                                              : slip;
+          }
+          _energy.normal += work;
+          _energy.friction -= r.friction_work[l];
+          _energy.later_normal += later;
+          _energy.later_friction -= r.later_friction_work[l];
+          _absorbed_energy[i] = releases ? 0.0 : _absorbed_energy[i] - work - later;
+          _energy.recoverable += std::max(0.0, _absorbed_energy[i]);
+          _impulse[i] = releases ? 0.0 : impulse_decay * _impulse[i] + normal * h / dt;
+          _closed[i] = 1;
+        }
+      });
   _obstacle_before = _obstacle_motion;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "ClosedBatch.h"
 #include "FieldsAtNodes.h"
-#include "MomentCorrection.h"
 #include "NodeToSurface.h"
 
 namespace dolfinx_impact::enforcement
@@ -19,8 +19,12 @@ struct CorrectedNodes
   std::vector<double> largest; ///< of these, all that can add up in one direction; empty: no node has several surfaces
   std::array<std::vector<double>, 2> tensor; ///< parts by direction: xx, xy, yy and xz, yz, zz, three for each node
   std::vector<char> shared;                  ///< does the node belong to several surfaces?
-  std::vector<double> force, correction;     ///< sums of the contacts' forces [F], displacements by them [L]
-  std::vector<double> before;                ///< increments of the step before [L]
+  // Vectors by node, in space padded to four numbers: a whole register.
+  std::vector<double> force, correction; ///< sums of the contacts' forces [F], displacements by them [L]
+  std::vector<double> before;            ///< increments of the step before [L]
+
+  /// Numbers of a node in these vectors.
+  static constexpr int stride(int gdim) { return gdim == 3 ? 4 : gdim; }
 
   /// What weighs on a node in a sweep.
   const std::vector<double>& in_sweeps() const { return largest.empty() ? weight : largest; }
@@ -46,15 +50,18 @@ public:
   void predict(const PredictedStep& step, std::span<const double> u);
   /// Add what the closed nodes' forces weigh on all nodes.
   void add_weights(CorrectedNodes& nodes) const;
-  /// Masses for the sweeps, and forces of the nodes that open.
+  /// Coefficients of a law of friction.
   void begin(const PredictedStep& step, const CorrectedNodes& nodes);
-  /// One sweep: update the forces and project them on the admissible set (no tension, Coulomb's cone).
+  /// Place of a sweep in the step.
+  struct Sweep
+  {
+    bool first; ///< nothing is corrected yet; masses and the forces of the nodes that open are set
+    bool last;  ///< `record` reads how the forces act
+  };
+  /// One sweep: update the forces, project them on the admissible set (no tension, Coulomb's cone), and add them to
+  /// those of the nodes.
   /// @param[in] factor over-relaxation of the increments [1]
-  /// @param[in] first it is the first one: nothing is corrected yet
-  void solve_forces(const CorrectedNodes& nodes, double h, double factor, bool first);
-  /// Add the forces to those of the nodes.
-  /// @param[in] last after the last sweep: `record` reads how they act
-  void add_forces(std::span<double> forces, bool last);
+  void sweep(const PredictedStep& step, CorrectedNodes& nodes, double factor, Sweep which);
   /// Results and work of the step.
   void record(const CorrectedNodes& nodes, double h, double dt);
 
@@ -66,39 +73,47 @@ public:
   void restore_obstacle(const gap::RigidMotion& motion) override;
 
 private:
-  /// A node that receives a contact force in this step; its shape functions are in `_phi`.
-  struct alignas(64) Closed
-  {
-    const std::int32_t *masters, *corners; ///< as in ContactPoint
-    double normal[3], overlap;             ///< [L]
-    std::uint32_t i;
-    std::int32_t node;
-    bool releases; ///< it opens in this step: its force is fixed before the sweeps
-  };
-
   KinematicContact(const surface::FunctionSpace& V, const surface::Facets& slave, const surface::Facets* master,
                    const gap::Rigid* rigid, const KinematicContactOptions& options);
   void add_to(state::State& saved) const override;
   void resume_nodes(const state::State& saved) override;
+  /// Batch and lane of closed node q.
+  ClosedBatch& batch(std::size_t q) { return _batches[q / ClosedBatch::size]; }
+  static int lane(std::size_t q) { return int(q % ClosedBatch::size); }
+  std::size_t num_batches() const { return (_num_closed + ClosedBatch::size - 1) / ClosedBatch::size; }
+  /// Calls each(batch) for all batches that have closed nodes.
+  void for_batches(auto&& each)
+  {
+    for (std::size_t k = 0; k < num_batches(); ++k)
+      each(_batches[k]);
+  }
+  /// Calls each(batch, l, i) for all closed nodes, i their position among the slave's nodes.
+  void for_closed(auto&& each) const
+  {
+    for (std::size_t k = 0; k < num_batches(); ++k)
+      for (int l = 0; l < _batches[k].num; ++l)
+        each(_batches[k], l, std::size_t(_batches[k].slave[l]));
+  }
   template <int D>
-  void relative_to_master(std::size_t q, const double* values, double* out) const;
+  void relative_to_master(const ClosedBatch& b, int l, const double* values, double* out) const;
   template <int D>
   void find_closed(const PredictedStep& step, const double* u);
   template <int D>
-  void reaction(std::size_t q, double* out) const;
+  void add_node(const ContactPoint& point, bool releases, const PredictedStep& step, const double* u);
+  template <int D>
+  void reaction(const ClosedBatch& b, int l, double* out) const;
   template <int D>
   void weigh(CorrectedNodes& nodes) const;
   template <int D>
-  void set_masses(const double* inverse_mass, const std::vector<double>& weight);
+  void set_masses(ClosedBatch& b, const double* inverse_mass, const std::vector<double>& weight);
   template <int D>
-  void solve_release_forces(const PredictedStep& step, const CorrectedNodes& nodes);
+  void solve_release_forces(ClosedBatch& b, const PredictedStep& step, const CorrectedNodes& nodes);
+  template <int D>
+  void sweep_all(const PredictedStep& step, CorrectedNodes& nodes, double factor, Sweep which);
   template <int D>
   void begin_friction(const PredictedStep& step, const CorrectedNodes& nodes);
   void update_friction();
-  template <int D>
-  void sweep(const double* correction, double h, double factor, bool first);
-  template <int D>
-  void add_all(std::span<double> forces, bool last);
+  void take_coefficients();
   template <int D>
   void record_all(const CorrectedNodes& nodes, double h, double dt);
 
@@ -107,13 +122,11 @@ private:
   gap::RigidMotion _obstacle_before;    ///< in the step before
   std::vector<double> _absorbed_energy; ///< by contact since the node closed, by slave node [F L]
   std::vector<double> _impulse;         ///< decaying sum of those of the normal forces, by slave node [F T]
-  std::vector<Closed> _closed_now;
-  std::size_t _num_closed = 0;
-  std::vector<double> _phi, _motion, _turn, _nodal_force, _normal_mass, _isotropic_mass;
-  std::vector<MomentCorrection> _moment_corrections;
-  std::vector<double> _arms; ///< of the moment corrections
-  /// Of the forces that were added last, on the master's nodes of closed node q: [(q*num_masters + j)*gdim + c] [F].
-  std::vector<double> _corrections;
+  std::vector<ClosedBatch> _batches;    ///< nodes that receive a force in this step
+  std::size_t _num_closed = 0;          ///< their number
+  ClosedRules _rules;
+  ClosedInput _input;
+  ClosedResult _result;
   std::vector<std::int32_t> _contact_nodes;
   // Friction of the closed nodes.
   FieldsAtNodes _fields;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "KinematicStep.h"
+#include "../../common/clones.h"
+#include "../../common/columns.h"
 #include <algorithm>
 #include <cmath>
 
@@ -27,6 +29,33 @@ double largest_eigenvalue(double xx, double xy, double yy, double xz, double yz,
   const double cosine = std::clamp(0.5 * determinant / (size * size * size), -1.0, 1.0);
   return mean + 2.0 * size * std::cos(std::acos(cosine) / 3.0);
 }
+
+/// Calls each(k, n) for the components of a range of nodes: their positions in arrays by component, and in the padded
+/// ones of CorrectedNodes.
+void for_components(int gdim, std::size_t first, std::size_t last, auto&& each)
+{
+  const auto all = [&]<int D>()
+  {
+    for (std::size_t node = first; node < last; ++node)
+#pragma GCC unroll 4
+      for (int c = 0; c < D; ++c)
+        each(node * D + c, node * CorrectedNodes::stride(D) + c);
+  };
+  gdim == 2 ? all.template operator()<2>() : all.template operator()<3>();
+}
+
+/// Displacements by forces, of padded nodes.
+/// @param[in] inverse_mass three numbers a node
+IMPACT_CLONES void displace(std::size_t first, std::size_t last, double h, const double* force,
+                            const double* inverse_mass, double* correction)
+{
+  // A whole register of reciprocal masses reaches into the next node.
+  for (std::size_t node = first; node + 1 < last; ++node)
+    common::column(correction + 4 * node) =
+        h * common::column(force + 4 * node) * common::column(inverse_mass + 3 * node);
+  for (int c = 0; c < 3 && first < last; ++c)
+    correction[4 * (last - 1) + c] = h * force[4 * (last - 1) + c] * inverse_mass[3 * (last - 1) + c];
+}
 } // namespace
 
 void KinematicStep::assign_numbers(operators::Halo& all, operators::Halo& halo, std::span<const std::int32_t> numbers)
@@ -35,6 +64,7 @@ void KinematicStep::assign_numbers(operators::Halo& all, operators::Halo& halo, 
     return;
   _halo = &halo;
   _gdim = _contacts.front()->candidates().gdim();
+  _stride = CorrectedNodes::stride(_gdim);
   // Surfaces that each node belongs to, whether it is a candidate for contact or not.
   std::vector<double> surfaces(all.num_nodes(), 0.0);
   for (const KinematicContact* contact : _contacts)
@@ -74,7 +104,7 @@ void KinematicStep::assign_numbers(operators::Halo& all, operators::Halo& halo, 
   for (std::vector<double>& part : _values.tensor)
     part.assign(any ? num * 3 : 0, 0.0);
   for (std::vector<double>* values : {&_values.force, &_values.correction, &_values.before})
-    values->assign(num * _gdim, 0.0);
+    values->assign(num * _stride, 0.0);
   _values.shared = std::move(shared);
 }
 
@@ -126,36 +156,44 @@ void KinematicStep::sum_weights(std::span<const double> inverse_mass)
     _halo->forward(v.weight, 1);
 }
 
-/// Nodal sums of the contact forces and the displacements that they cause.
-/// @param[in] last it was the last sweep
-void KinematicStep::sum_forces(const PredictedStep& step, bool last)
+/// Nodal sums of the contact forces of a sweep, and the displacements that they cause.
+void KinematicStep::sweep(const PredictedStep& step, double factor, KinematicContact::Sweep which)
 {
   CorrectedNodes& v = _values;
   bool deformable = false;
   double *force = v.force.data(), *correction = v.correction.data();
-  for_components(false, [force](std::size_t k) { force[k] = 0.0; });
+  for_ranges(false, [&](std::size_t first, std::size_t last)
+             { std::fill(force + first * _stride, force + last * _stride, 0.0); });
   for (KinematicContact* contact : _contacts)
   {
-    contact->add_forces(v.force, last);
+    contact->sweep(step, v, factor, which);
     deformable = deformable || !contact->candidates().rigid();
   }
   if (deformable)
-    _halo->reverse(v.force, _gdim);
+    _halo->reverse(v.force, _gdim, _stride);
   const double *inverse_mass = step.inverse_mass.data(), h = step.h;
-  for_components(true, [=](std::size_t k) { correction[k] = h * force[k] * inverse_mass[k]; });
+  for_ranges(true,
+             [&](std::size_t first, std::size_t last)
+             {
+               if (_gdim == 3)
+                 return displace(first, last, h, force, inverse_mass, correction);
+               for (std::size_t k = first * _stride; k < last * _stride; ++k)
+                 correction[k] = h * force[k] * inverse_mass[k];
+             });
   if (deformable)
-    _halo->forward(v.correction, _gdim);
+    _halo->forward(v.correction, _gdim, _stride);
 }
 
 void KinematicStep::correct(const PredictedStep& step, std::span<double> u, std::span<double> f)
 {
   CorrectedNodes& v = _values;
-  for_components(false,
-                 [&](std::size_t k)
-                 {
-                   v.before[k] = step.du_before[k];
-                   v.correction[k] = 0.0;
-                 });
+  for_ranges(false,
+             [&](std::size_t first, std::size_t last)
+             {
+               std::fill(v.correction.begin() + first * _stride, v.correction.begin() + last * _stride, 0.0);
+               for_components(_gdim, first, last,
+                              [&](std::size_t k, std::size_t n) { v.before[n] = step.du_before[k]; });
+             });
   int sweeps = 0;
   for (KinematicContact* contact : _contacts)
   {
@@ -165,18 +203,18 @@ void KinematicStep::correct(const PredictedStep& step, std::span<double> u, std:
   sum_weights(step.inverse_mass);
   for (KinematicContact* contact : _contacts)
     contact->begin(step, v);
-  for (int sweep = 0; sweep < sweeps; ++sweep)
-  {
-    for (KinematicContact* contact : _contacts)
-      contact->solve_forces(v, step.h, sweep % 2 ? over_relaxation : 1.0, sweep == 0);
-    sum_forces(step, sweep + 1 == sweeps);
-  }
-  for_components(true,
-                 [&](std::size_t k)
-                 {
-                   u[k] += v.correction[k];
-                   f[k] += v.force[k];
-                 });
+  for (int k = 0; k < sweeps; ++k)
+    sweep(step, k % 2 ? over_relaxation : 1.0, {k == 0, k + 1 == sweeps});
+  for_ranges(true,
+             [&](std::size_t first, std::size_t last)
+             {
+               for_components(_gdim, first, last,
+                              [&](std::size_t k, std::size_t n)
+                              {
+                                u[k] += v.correction[n];
+                                f[k] += v.force[n];
+                              });
+             });
   _halo->forward(u, _gdim);
   for (KinematicContact* contact : _contacts)
     contact->record(v, step.h, step.dt);

@@ -31,21 +31,21 @@ private:
   void sum_weights(std::span<const double> inverse_mass);
   template <int D>
   void find_largest_weights(std::span<const double> inverse_mass);
-  void sum_forces(const PredictedStep& step, bool last);
-  /// Calls each(k) for the components of all nodes, or of those that the rank owns.
-  void for_components(bool owned, auto&& each) const
+  void sweep(const PredictedStep& step, double factor, KinematicContact::Sweep which);
+  /// Calls each(first, last) for ranges of the nodes that contacts act on, or of those that the rank owns.
+  void for_ranges(bool owned, auto&& each) const
   {
-    const std::size_t end = (owned ? _halo->num_owned() : _halo->num_nodes()) * std::size_t(_gdim);
+    const std::size_t end = owned ? _halo->num_owned() : _halo->num_nodes();
     for (const auto& [first, last] : _ranges)
-      for (std::size_t k = first * _gdim; k < std::min(last * _gdim, end); ++k)
-        each(k);
+      if (first < end)
+        each(first, std::min(last, end));
   }
 
   std::vector<KinematicContact*> _contacts;
   operators::Halo* _halo = nullptr;
   std::vector<std::pair<std::size_t, std::size_t>> _ranges; ///< of nodes that any contact acts on: first and end
   std::vector<std::int32_t> _shared;                        ///< owned ones that belong to several surfaces
-  int _gdim = 0;
+  int _gdim = 0, _stride = 0;
   CorrectedNodes _values;
 };
 } // namespace dolfinx_impact::enforcement

@@ -2,6 +2,7 @@
 #pragma once
 #include "../../common/prefetch.h"
 #include "MomentCorrection.h"
+#include "NodalSum.h"
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -21,32 +22,17 @@ public:
     for_nodes(num, [&](int j) { common::prefetch(_sums.data() + corners[j]); });
   }
   /// Subtract a force on a slave's node from the nodes of its facet.
-  /// @tparam W components, D or a whole register of four
   /// @param[in] corners positions of the nodes
   /// @param[in] phi shape functions at the master's point
-  template <int W>
+  template <int D>
   void react(int num, const std::int32_t* corners, const double* phi, const double* force)
   {
-    Sum* sums = _sums.data();
+    NodalSum* sums = _sums.data();
     for_nodes(num,
               [&](int j)
               {
-                for (int c = 0; c < W; ++c)
+                for (int c = 0; c < D; ++c)
                   sums[corners[j]].force[c] -= phi[j] * force[c];
-              });
-  }
-  /// The same with the moment correction of the force.
-  /// @param[in] correction correction(j, c): component c at node j
-  template <int D, int W>
-  void react(int num, const std::int32_t* corners, const double* phi, const double* force, auto&& correction)
-  {
-    Sum* sums = _sums.data();
-    for_nodes(num,
-              [&](int j)
-              {
-                double* sum = sums[corners[j]].force;
-                for (int c = 0; c < W; ++c)
-                  sum[c] = sum[c] - phi[j] * force[c] + (c < D ? correction(j, c) : 0.0);
               });
   }
   /// Add the moment correction of a force on a slave's node.
@@ -56,7 +42,7 @@ public:
   void correct(const MomentCorrection& correction, int num, const std::int32_t* corners, const double* r,
                const double* force, double* added = nullptr)
   {
-    Sum* sums = _sums.data();
+    NodalSum* sums = _sums.data();
     correction.forces<D>(num, r, force,
                          [&](int j, int c, double value)
                          {
@@ -75,11 +61,10 @@ public:
         f[std::size_t(nodes[k]) * gdim + c] += std::exchange(_sums[k].force[c], 0.0);
   }
 
+  /// The sums, by position of the nodes.
+  NodalSum* data() { return _sums.data(); }
+
 private:
-  struct alignas(32) Sum
-  {
-    double force[4] = {};
-  };
-  std::vector<Sum> _sums;
+  std::vector<NodalSum> _sums;
 };
 } // namespace dolfinx_impact::enforcement

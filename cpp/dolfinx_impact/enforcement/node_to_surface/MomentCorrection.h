@@ -21,9 +21,11 @@ inline void for_nodes(int num, Each&& each)
 /// Forces without resultant on the nodes of a facet that give back the moment which a contact force and its reaction
 /// leave: c_j = omega x (x_j - mean), sum_j (x_j - mean) x c_j = e x f, e from the slave's node to the master's point
 /// (docs/explicit/penalty.md, "Moment correction").
-struct MomentCorrection
+/// @tparam T double, or a vector of doubles: a node in each lane
+template <typename T>
+struct MomentCorrectionOf
 {
-  double e[3], inverse[6];
+  T e[3], inverse[6];
 
   /// @param[in] num nodes of the facet
   /// @param[in] at at(j, c): position of node j
@@ -31,9 +33,9 @@ struct MomentCorrection
   /// @param[in] x position of the slave's node
   /// @param[out] r x_j - mean, [j*D + c]
   template <int D>
-  void set(int num, auto&& at, const double* phi, const double* x, double* r)
+  void set(int num, auto&& at, const T* phi, const T* x, T* r)
   {
-    double mean[D] = {}, squares[D][D] = {};
+    T mean[D] = {}, squares[D][D] = {};
     const double part = 1.0 / num;
 #pragma GCC unroll 4
     for (int c = 0; c < D; ++c)
@@ -66,11 +68,11 @@ struct MomentCorrection
     else
     {
       // Inverse of sum |r|^2 I - r r^T, symmetric: xx, yy, zz, xy, xz, yz.
-      const double trace = squares[0][0] + squares[1][1] + squares[2][2];
-      const double xx = trace - squares[0][0], yy = trace - squares[1][1], zz = trace - squares[2][2];
-      const double xy = -squares[1][0], xz = -squares[2][0], yz = -squares[2][1];
-      const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
-      const double per = 1.0 / (xx * a + xy * b + xz * c);
+      const T trace = squares[0][0] + squares[1][1] + squares[2][2];
+      const T xx = trace - squares[0][0], yy = trace - squares[1][1], zz = trace - squares[2][2];
+      const T xy = -squares[1][0], xz = -squares[2][0], yz = -squares[2][1];
+      const T a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+      const T per = 1.0 / (xx * a + xy * b + xz * c);
       inverse[0] = a * per;
       inverse[1] = (xx * zz - xz * xz) * per;
       inverse[2] = (xx * yy - xy * xy) * per;
@@ -86,11 +88,11 @@ struct MomentCorrection
   /// @param[in] increment increment(j, c) of node j [L]
   /// @param[in,out] motion relative to the point, which does not turn [L]
   template <int D>
-  void add_rotation(int num, const double* r, auto&& increment, double* motion) const
+  void add_rotation(int num, const T* r, auto&& increment, T* motion) const
   {
     if constexpr (D == 2)
     {
-      double spin = 0.0;
+      T spin = {};
       for_nodes(num,
                 [&](int j) { spin += inverse[0] * (r[2 * j] * increment(j, 1) - r[2 * j + 1] * increment(j, 0)); });
       motion[0] -= spin * e[1];
@@ -98,19 +100,19 @@ struct MomentCorrection
     }
     else
     {
-      double m[3] = {};
+      T m[3] = {};
       for_nodes(num,
                 [&](int j)
                 {
-                  const double* a = r + 3 * j;
-                  const double du[3] = {increment(j, 0), increment(j, 1), increment(j, 2)};
+                  const T* a = r + 3 * j;
+                  const T du[3] = {increment(j, 0), increment(j, 1), increment(j, 2)};
                   m[0] += a[1] * du[2] - a[2] * du[1];
                   m[1] += a[2] * du[0] - a[0] * du[2];
                   m[2] += a[0] * du[1] - a[1] * du[0];
                 });
-      const double w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
-                           inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
-                           inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
+      const T w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
+                      inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
+                      inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
       motion[0] += w[1] * e[2] - w[2] * e[1];
       motion[1] += w[2] * e[0] - w[0] * e[2];
       motion[2] += w[0] * e[1] - w[1] * e[0];
@@ -121,11 +123,11 @@ struct MomentCorrection
   /// @param[in] f force on the slave's node
   /// @param[in,out] add add(j, c, value): value is component c of node j's force
   template <int D>
-  void forces(int num, const double* r, const double* f, auto&& add) const
+  void forces(int num, const T* r, const T* f, auto&& add) const
   {
     if constexpr (D == 2)
     {
-      const double omega = inverse[0] * (e[0] * f[1] - e[1] * f[0]);
+      const T omega = inverse[0] * (e[0] * f[1] - e[1] * f[0]);
       for_nodes(num,
                 [&](int j)
                 {
@@ -135,14 +137,14 @@ struct MomentCorrection
     }
     else
     {
-      const double m[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
-      const double w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
-                           inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
-                           inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
+      const T m[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+      const T w[3] = {inverse[0] * m[0] + inverse[3] * m[1] + inverse[4] * m[2],
+                      inverse[3] * m[0] + inverse[1] * m[1] + inverse[5] * m[2],
+                      inverse[4] * m[0] + inverse[5] * m[1] + inverse[2] * m[2]};
       for_nodes(num,
                 [&](int j)
                 {
-                  const double* a = r + j * D;
+                  const T* a = r + j * D;
                   add(j, 0, w[1] * a[2] - w[2] * a[1]);
                   add(j, 1, w[2] * a[0] - w[0] * a[2]);
                   add(j, 2, w[0] * a[1] - w[1] * a[0]);
@@ -150,4 +152,5 @@ struct MomentCorrection
     }
   }
 };
+using MomentCorrection = MomentCorrectionOf<double>;
 } // namespace dolfinx_impact::enforcement

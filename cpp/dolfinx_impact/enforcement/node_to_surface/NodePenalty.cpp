@@ -219,15 +219,15 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
   const bool oblique = at.rim != search::Projection::Rim::no ||
                        (!_rigid && _tracker.master().geometry.degree != _tracker.master().displacement.degree);
   const bool turns = b.corrects_moments && (b.friction > 0.0 || oblique);
-  double x[D], motion[D];
-  if (_rigid || turns)
-    position(i, state.u.data(), x);
+  double place[D], motion[D];
+  if (_rigid)
+    position(i, state.u.data(), place);
+  const double* const x = _rigid ? place : _tracker.x(i);
   for (int c = 0; c < D; ++c)
     motion[c] = state.du[std::size_t(point.node) * D + c];
   // A rigid body that gives way: docs/rigid_bodies.md, "Stable step".
   const NodeSpring& spring = _springs[i];
   const double body = _mobility > 0.0 ? _compliance_step * _compliance_step * _mobility * spring.per_area / most : 0.0;
-  double own = spring.node_compliance + body, by_area = 0.0;
   if (_rigid)
   {
     double increment[D];
@@ -235,25 +235,12 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
     for (int c = 0; c < D; ++c)
       motion[c] -= increment[c];
   }
-  const search::MasterNode* masters = _tracker.masters();
   _master_forces.prefetch(point.num, point.corners);
   for_nodes(point.num,
             [&](int j)
             {
-              const search::MasterNode& master = masters[point.corners[j]];
-              const double phi = point.phi[j], weight = std::abs(phi);
-              for (int c = 0; c < D; ++c)
-                motion[c] -= phi * master.du[c];
-              own += weight * master.compliance;
-              by_area += weight * master.area_compliance;
-              if (!turns)
-                return;
-              b.phi[j][l] = phi;
-              for (int c = 0; c < D; ++c)
-              {
-                b.du[j][c][l] = master.du[c];
-                b.X[j][c][l] = master.x[c];
-              }
+              b.phi[j][l] = point.phi[j];
+              b.corners[j][l] = point.corners[j];
             });
   for (int c = 0; c < D; ++c)
   {
@@ -270,8 +257,8 @@ void NodePenalty::add_node(const ContactPoint& point, const NodalState& state)
   b.begins[l] = _closed[i] != 1;
   b.oblique[l] = oblique;
   b.per_area[l] = spring.per_area;
-  b.compliance[l] = own;
-  b.area_compliance[l] = by_area;
+  b.compliance[l] = spring.node_compliance + body;
+  b.area_compliance[l] = 0.0;
 }
 
 /// Adds the contact forces of the nodes of the batch, which is empty then.
@@ -280,9 +267,13 @@ void NodePenalty::add_batch(const NodalState& state, std::span<double> f)
 {
   if (_batch.num == 0)
     return;
+  if (!_rigid)
+    read_masters(_batch, _tracker.masters());
   evaluate(_batch);
   for (int l = 0; l < _batch.num; ++l)
     add_force<D>(_points[l], l, state, f);
+  if (!_rigid)
+    add_reactions(_batch, _master_forces.data());
   _batch.num = 0;
 }
 
@@ -290,7 +281,6 @@ void NodePenalty::add_batch(const NodalState& state, std::span<double> f)
 template <int D>
 void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& state, std::span<double> f)
 {
-  constexpr int W = D == 2 ? 2 : 4; // forces fill whole registers
   const SpringBatch& b = _batch;
   const std::size_t i = point.i;
   const search::Projection& at = point.at;
@@ -313,7 +303,7 @@ void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& 
   static_cast<Spring&>(spring) = b.spring(l);
   spring.offset = offset;
   _energy.normal -= b.normal_loss[l];
-  double force[W] = {};
+  double force[D];
   for (int c = 0; c < D; ++c)
     force[c] = b.total[c][l];
   ContactStatus status = ContactStatus::slip;
@@ -336,11 +326,6 @@ void NodePenalty::add_force(const ContactPoint& point, int l, const NodalState& 
     _force[c] += b.total[c][l];
   }
   add_to_moments(i, state.u.data(), force);
-  const auto correction = [&b, l](int j, int c) { return b.correction[j][c][l]; };
-  if (b.corrected[l] > 0.0)
-    _master_forces.react<D, W>(point.num, point.corners, point.phi, force, correction);
-  else
-    _master_forces.react<W>(point.num, point.corners, point.phi, force);
   _closed[i] = 1;
   _results.status[i] = status;
   _results.gap[i] = at.gap;

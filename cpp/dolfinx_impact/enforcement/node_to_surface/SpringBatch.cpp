@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "SpringBatch.h"
 #include "../../common/clones.h"
+#include "../../common/columns.h"
 #include "../friction.h"
 #include "MomentCorrection.h"
 #include "overlap.h"
@@ -12,6 +13,12 @@ namespace dolfinx_impact::enforcement
 {
 namespace
 {
+#if defined(__GNUC__)
+#define IMPACT_LAMBDA __attribute__((always_inline))
+#else
+#define IMPACT_LAMBDA
+#endif
+
 constexpr int any = -1; ///< number of a facet's nodes that is not known to the compiler
 
 /// The spring of one node.
@@ -132,6 +139,85 @@ IMPACT_INLINED void evaluate_lane(SpringBatch& b, int l)
   b.stored[l] = spring.stored() + 0.5 * squared * per_k;
 }
 
+using common::Column, common::column;
+
+/// Lanes of a batch are taken four at a time. Those of the last four that are not in use read the last node's facet.
+constexpr int lanes = 4;
+
+/// @tparam turns do forces need the positions and the increments of the nodes themselves?
+template <int D, bool turns>
+IMPACT_CLONES void read_lanes(SpringBatch& b, const search::MasterNode* nodes)
+{
+  for (int l = 0; l < b.num; l += lanes)
+  {
+    Column motion[D], own = column(b.compliance + l), by_area = column(b.area_compliance + l);
+#pragma GCC unroll 4
+    for (int c = 0; c < D; ++c)
+      motion[c] = column(b.motion[c] + l);
+    for_nodes(b.num_masters,
+              [&](int j) IMPACT_LAMBDA
+              {
+                search::MasterColumns master;
+                search::read(nodes, b.corners[j] + l, master);
+                const Column phi = column(b.phi[j] + l), weight = phi < 0.0 ? -phi : phi;
+                own += weight * master.compliance;
+                by_area += weight * master.area_compliance;
+#pragma GCC unroll 4
+                for (int c = 0; c < D; ++c)
+                {
+                  motion[c] -= phi * master.du[c];
+                  if constexpr (turns)
+                  {
+                    column(b.X[j][c] + l) = master.x[c];
+                    column(b.du[j][c] + l) = master.du[c];
+                  }
+                }
+              });
+    column(b.compliance + l) = own;
+    column(b.area_compliance + l) = by_area;
+#pragma GCC unroll 4
+    for (int c = 0; c < D; ++c)
+      column(b.motion[c] + l) = motion[c];
+  }
+}
+
+/// @tparam turns are there moment corrections in the batch?
+template <int D, bool turns>
+IMPACT_CLONES void add_lanes(const SpringBatch& b, NodalSum* sums)
+{
+  constexpr int most = SpringBatch::most;
+  for (int l = 0; l < b.num; l += lanes)
+  {
+    Column rows[most][4];
+    for_nodes(b.num_masters,
+              [&](int j) IMPACT_LAMBDA
+              {
+                const Column phi = column(b.phi[j] + l);
+#pragma GCC unroll 4
+                for (int c = 0; c < 4; ++c)
+                  rows[j][c] = Column{};
+#pragma GCC unroll 4
+                for (int c = 0; c < D; ++c)
+                {
+                  rows[j][c] = -phi * column(b.total[c] + l);
+                  if constexpr (turns)
+                    rows[j][c] =
+                        column(b.corrected + l) > 0.0 ? rows[j][c] + column(b.correction[j][c] + l) : rows[j][c];
+                }
+                common::transpose(rows[j]);
+              });
+    const int last = std::min(b.num - l, lanes);
+    for (int k = 0; k < last; ++k)
+      if (b.overlap[l + k] > 0.0)
+        for_nodes(b.num_masters,
+                  [&](int j) IMPACT_LAMBDA
+                  {
+                    Column& sum = reinterpret_cast<Column&>(sums[b.corners[j][l + k]]);
+                    sum += rows[j][k];
+                  });
+  }
+}
+
 #if defined(__GNUC__)
 #define IMPACT_FLATTEN __attribute__((flatten))
 #else
@@ -167,6 +253,26 @@ void evaluate_all(SpringBatch& b)
   moments ? run.template operator()<false, true>() : run.template operator()<false, false>();
 }
 } // namespace
+
+void read_masters(SpringBatch& b, const search::MasterNode* nodes)
+{
+  for (int j = 0; j < b.num_masters; ++j)
+    for (int l = b.num; l % lanes != 0; ++l)
+      b.corners[j][l] = b.corners[j][b.num - 1];
+  const bool turns = b.corrects_moments &&
+                     (b.friction > 0.0 || std::any_of(b.oblique, b.oblique + b.num, [](double o) { return o > 0.0; }));
+  if (b.gdim == 2)
+    return turns ? read_lanes<2, true>(b, nodes) : read_lanes<2, false>(b, nodes);
+  turns ? read_lanes<3, true>(b, nodes) : read_lanes<3, false>(b, nodes);
+}
+
+void add_reactions(const SpringBatch& b, NodalSum* sums)
+{
+  const bool turns = std::any_of(b.corrected, b.corrected + b.num, [](double c) { return c > 0.0; });
+  if (b.gdim == 2)
+    return turns ? add_lanes<2, true>(b, sums) : add_lanes<2, false>(b, sums);
+  turns ? add_lanes<3, true>(b, sums) : add_lanes<3, false>(b, sums);
+}
 
 void evaluate(SpringBatch& batch)
 {

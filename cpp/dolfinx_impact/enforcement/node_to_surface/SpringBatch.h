@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
-#include "../../surface/Facets.h"
+#include "../../search/node_tracker/MasterNode.h"
+#include "../../surface/FacetElement.h"
+#include "NodalSum.h"
 #include "spring.h"
 
 namespace dolfinx_impact::enforcement
@@ -29,8 +31,10 @@ struct SpringBatch
   double per_area[size];        ///< reciprocal of its area
   double compliance[size];      ///< of its own and of the master there [L/F]
   double area_compliance[size]; ///< of the master's nodes, times their areas, there [L^3/F, in the plane L^2/F]
-  // Of the nodes of its facet; read where a moment correction is needed.
-  double phi[most][size];   ///< shape functions
+  // Of the nodes of its facet.
+  std::int32_t corners[most][size]; ///< positions among the nodes of the master
+  double phi[most][size];           ///< shape functions
+  // Read where a moment correction is needed; `read_masters` sets them.
   double X[most][3][size];  ///< positions [L]
   double du[most][3][size]; ///< increments in the step [L]
 
@@ -63,6 +67,14 @@ struct SpringBatch
   }
 };
 
+/// Takes what a batch needs of the nodes of its facets: motions and compliances, which were those of the slave's nodes,
+/// become those of the springs, and X and du are set where moments may need a correction.
+/// @param[in] nodes of the master
+void read_masters(SpringBatch& batch, const search::MasterNode* nodes);
 /// Forces of the springs of a batch in the step (docs/explicit/penalty.md).
 void evaluate(SpringBatch& batch);
+/// Subtracts the forces of the closed nodes of a batch from the nodes of their facets, one after the other: nodes of
+/// the slave may share them.
+/// @param[in,out] sums of the forces on the nodes of the master [F]
+void add_reactions(const SpringBatch& batch, NodalSum* sums);
 } // namespace dolfinx_impact::enforcement

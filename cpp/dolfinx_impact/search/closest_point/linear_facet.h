@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include "../../common/columns.h"
 #include "../../surface/normals.h"
 #include "facet_projection.h"
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 /// Closest points on facets of degree 1, inlined: what node-to-surface contact does for every node near the master in
 /// every step. The results are those of project_on_facet. X[i][c] are the positions of a facet's nodes.
@@ -46,8 +48,9 @@ inline void values(const double* xi, double* phi)
 }
 
 /// Tangents at a point.
-template <FacetShape S, typename Nodes>
-inline void tangents(const Nodes& X, const double* xi, double a[2][3])
+/// @tparam T double, or a vector of doubles: a facet in each lane
+template <FacetShape S, typename Nodes, typename T>
+inline void tangents(const Nodes& X, const T* xi, T a[2][3])
 {
   constexpr int D = dimension<S>;
   for (int c = 0; c < D; ++c)
@@ -57,7 +60,7 @@ inline void tangents(const Nodes& X, const double* xi, double a[2][3])
       a[1][c] = X[2][c] - X[0][c];
     if constexpr (S == FacetShape::quadrilateral)
     {
-      const double twist = X[3][c] - X[2][c] - X[1][c] + X[0][c];
+      const T twist = X[3][c] - X[2][c] - X[1][c] + X[0][c];
       a[1][c] = X[2][c] - X[0][c] + xi[0] * twist;
       a[0][c] += xi[1] * twist;
     }
@@ -65,13 +68,15 @@ inline void tangents(const Nodes& X, const double* xi, double a[2][3])
 }
 
 /// Unit normal, out of the body.
-template <FacetShape S, typename Nodes>
-inline void normal(const Nodes& X, const double* xi, double orientation, double* n)
+template <FacetShape S, typename Nodes, typename T>
+inline void normal(const Nodes& X, const T* xi, const std::type_identity_t<T>& orientation, T* n)
 {
-  double a[2][3];
+  T a[2][3];
   tangents<S>(X, xi, a);
   surface::normal_vector(dimension<S>, a, n);
-  const double factor = orientation / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  T size = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  common::take_root(size);
+  const T factor = orientation / size;
   for (int c = 0; c < 3; ++c)
     n[c] *= factor;
 }

@@ -42,7 +42,8 @@ public:
   template <surface::FacetShape S>
   void select(std::size_t i, std::int32_t facet, const std::int32_t* corners)
   {
-    std::copy_n(corners, linear::num_nodes<S>, _corners[_block.num]);
+    for (int j = 0; j < linear::num_nodes<S>; ++j)
+      _corners[j][_block.num] = corners[j];
     _facets[_block.num] = facet;
     _nodes[_block.num++] = i;
   }
@@ -60,10 +61,6 @@ public:
            const double* start)
   {
     constexpr int D = linear::dimension<S>;
-    const MasterNode* masters = surface.node_data();
-    for (int j = 0; j < linear::num_nodes<S>; ++j)
-      for (int c = 0; c < D; ++c)
-        _block.X[j][c][l] = masters[_corners[l][j]].x[c];
     for (int c = 0; c < D; ++c)
     {
       _block.point[c][l] = x[c];
@@ -74,8 +71,12 @@ public:
       _block.xi[a][l] = start[a];
     _block.orientation[l] = surface.facets().orientation[_facets[l]];
   }
-  /// Project all selected nodes.
-  void project(surface::FacetShape shape) { project_batch(shape, _block); }
+  /// Project all selected nodes, whose input has been set.
+  void project(surface::FacetShape shape, const TrackedSurface& surface)
+  {
+    read_corners(shape, surface.node_data());
+    project_batch(shape, _block);
+  }
 
   /// Is the closest point of lane l inside its facet, which faces the node?
   bool found(int l) const { return _block.over[l] > 0.0; }
@@ -95,9 +96,11 @@ public:
   }
 
 private:
+  void read_corners(surface::FacetShape shape, const MasterNode* nodes);
+
   BatchProjection _block;
   std::size_t _nodes[size];
-  std::int32_t _facets[size], _corners[size][4];
+  std::int32_t _facets[size], _corners[4][size];
   std::size_t _first = 0, _last = 0;
   std::array<Result, size> _results;
 };

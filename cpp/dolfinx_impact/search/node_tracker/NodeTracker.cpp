@@ -334,7 +334,7 @@ void NodeTracker::project_batch(const double* u, std::size_t first)
                   change <= NormalRotation::most ? change : 2.0, // more than any scalar product
                   _tracked[i].facet >= 0 ? _tracked[i].xi : middle);
   }
-  _batch.project(S);
+  _batch.project(S, _surface);
   _surface.count_projections(_batch.num());
   const double room = 1e-9 * _surface.largest_diameter();
   for (int l = 0; l < _batch.num(); ++l)

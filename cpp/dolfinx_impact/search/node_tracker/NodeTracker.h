@@ -44,6 +44,8 @@ public:
   void reset(surface::Facets master, std::span<const std::int32_t> nodes, surface::Facets slave, double reach);
   std::size_t size() const { return _motion.size(); }
   const surface::Facets& master() const { return _surface.facets(); }
+  /// Are all facets of the master intervals, triangles or quadrilaterals of degree 1?
+  bool has_linear_facets() const { return _surface.kind() != Kind::general; }
   /// The master's nodes, ascending, without repetition, and their data by their position in this list.
   std::span<const std::int32_t> master_nodes() const { return _surface.nodes(); }
   const MasterNode* masters() const { return _surface.node_data(); }

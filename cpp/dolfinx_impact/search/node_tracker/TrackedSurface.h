@@ -4,20 +4,12 @@
 #include "../BoxTree.h"
 #include "../closest_point/Projection.h"
 #include "Configuration.h"
+#include "MasterNode.h"
 #include <span>
 #include <vector>
 
 namespace dolfinx_impact::search
 {
-/// A node of the master: what a step needs of it lies in one line of the cache.
-struct alignas(64) MasterNode
-{
-  double x[3] = {};             ///< position at the last `advance` [L]
-  double du[3] = {};            ///< increment of the last step [L]
-  double compliance = 0.0;      ///< of penalty springs at this node; set by the contact [L/F]
-  double area_compliance = 0.0; ///< the same times the nodal area; set by the contact [L^3/F, in the plane L^2/F]
-};
-
 /// The master surface of a NodeTracker. It owns the facets, the positions of their nodes at the last step, the facets'
 /// diameters and the tree of their boxes. It answers what concerns a single facet: positions of its nodes in a
 /// configuration, closest point, normal, box. Facets of degree 1 take inlined functions (linear_facet.h).
