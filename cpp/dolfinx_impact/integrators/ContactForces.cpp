@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "ContactForces.h"
 #include "../common/Stopwatch.h"
+#include "../common/clones.h"
+#include "../common/columns.h"
 #include "../gap/rotation.h"
 #include <algorithm>
 #include <stdexcept>
@@ -13,7 +15,47 @@ using common::Stopwatch;
 namespace
 {
 constexpr std::size_t sums_of_body = 12; ///< force and its moment
+
+/// Sums over entries of what a correction adds to the velocities: the change of the momentum times the velocity before
+/// and times the sum of the velocities, twice the change of the kinetic energy, and that of the velocity times the
+/// residual before [F L/T^2, F L/T^2, F L/T].
+struct Products
+{
+  double momentum, speed, after;
+};
+
+/// Velocities after forces of kinematic contact. A force changes nothing where the reciprocal mass is zero; elsewhere
+/// mass times the change of the velocity is h times the force, so that no mass is needed.
+/// @param[in] h step [T]
+/// @param[in,out] v predicted, then corrected [L/T]
+IMPACT_CLONES Products correct_velocities(std::size_t size, double h, const double* inverse, const double* force,
+                                          const double* v_before, const double* r_before, double* v)
+{
+  using common::Column, common::column;
+  Column momentum = {}, speed = {}, after = {};
+  std::size_t j = 0;
+  for (; j + 4 <= size; j += 4)
+  {
+    const Column predicted = column(v + j), free = column(inverse + j);
+    const Column impulse = free != 0.0 ? h * column(force + j) : Column{}, now = predicted + free * impulse;
+    column(v + j) = now;
+    momentum += impulse * column(v_before + j);
+    speed += impulse * (now + predicted);
+    after += column(r_before + j) * (now - predicted);
+  }
+  Products out = {momentum[0] + momentum[1] + momentum[2] + momentum[3], speed[0] + speed[1] + speed[2] + speed[3],
+                  after[0] + after[1] + after[2] + after[3]};
+  for (; j < size; ++j)
+  {
+    const double predicted = v[j], impulse = inverse[j] != 0.0 ? h * force[j] : 0.0;
+    v[j] = predicted + inverse[j] * impulse;
+    out.momentum += impulse * v_before[j];
+    out.speed += impulse * (v[j] + predicted);
+    out.after += r_before[j] * (v[j] - predicted);
+  }
+  return out;
 }
+} // namespace
 
 void ContactForces::add(enforcement::NodalPair pair, std::array<int, 3> columns, std::array<int, 3> rotation)
 {
@@ -430,24 +472,16 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
       _obstacle_work += half_work(pair, pair.obstacle.increment_before, {}, fields.bs);
   n.put_displacements(fields);
   fields.update_ghost_velocities(dt); // so far they are those of the prediction
-  const int bs = fields.bs;
-  const std::size_t owned = n.halo()->num_owned();
-  Sums all = sums; // not in memory, where each node would wait for the last one's stores
-  for (std::size_t k = 0; k < owned; ++k)
-    for (int c = 0; c < bs; ++c)
-    {
-      const std::size_t j = k * bs + c;
-      if (n.inverse[j] == 0.0)
-        continue;
-      const double m = n.mass()[k], predicted = n.v[j];
-      const double v = predicted + h * n.inverse[j] * n.kinematic[j];
-      n.v[j] = v;
-      all.momentum += m * n.v_before[j] * (v - predicted);
-      all.speed += m * (v * v - predicted * predicted);
-      all.after += n.r_before[j] * (v - predicted);
-      all.load_after += loads.force(std::size_t(n.nodes()[k]) * fields.stride + c) * (v - predicted);
-    }
-  sums = all;
+  const std::size_t bs = std::size_t(fields.bs), owned = n.halo()->num_owned();
+  const Products products = correct_velocities(owned * bs, h, n.inverse.data(), n.kinematic.data(), n.v_before.data(),
+                                               n.r_before.data(), n.v.data());
+  sums.momentum += products.momentum;
+  sums.speed += products.speed;
+  sums.after += products.after;
+  for (std::size_t k = 0; k < owned && loads.forces(); ++k)
+    for (std::size_t c = 0; c < bs; ++c)
+      if (const double load = loads.force(std::size_t(n.nodes()[k]) * fields.stride + c); load != 0.0)
+        sums.load_after += load * h * n.inverse[k * bs + c] * n.kinematic[k * bs + c];
   n.finish_correction(fields, dt);
 }
 

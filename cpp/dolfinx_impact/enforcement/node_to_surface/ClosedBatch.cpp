@@ -138,7 +138,8 @@ IMPACT_CLONES IMPACT_FLATTEN void begin_lanes(const ClosedRules& rules, ClosedBa
         constexpr FacetShape S = N == 2   ? FacetShape::interval
                                  : N == 3 ? FacetShape::triangle
                                           : FacetShape::quadrilateral;
-        const Column xi[2] = {column(input.xi[0] + l), column(input.xi[1] + l)}, along = column(input.along_facet + l), orientation = column(input.orientation + l);
+        const Column xi[2] = {column(input.xi[0] + l), column(input.xi[1] + l)}, along = column(input.along_facet + l),
+                     orientation = column(input.orientation + l);
         Column x[N][3], n[3];
 #pragma GCC unroll 4
         for (int j = 0; j < N; ++j)
