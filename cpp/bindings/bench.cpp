@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "arrays.h"
 #include "dolfinx_impact/common/machine.h"
+#include "hand_written/HandWrittenContact.h"
 #include "hand_written/HandWrittenStep.h"
 #include "module.h"
 #include <dolfinx/fem/Form.h>
@@ -12,6 +13,7 @@ using dolfinx_impact::bindings::Indices;
 using dolfinx_impact::bindings::take;
 using dolfinx_impact::bindings::Values;
 using dolfinx_impact::bindings::view;
+using dolfinx_impact::hand_written::HandWrittenContact;
 using dolfinx_impact::hand_written::HandWrittenStep;
 
 namespace
@@ -62,4 +64,25 @@ void dolfinx_impact::bindings::bench(nb::module_& m)
       .def_static("widths", &HandWrittenStep::widths, "Cells at a time that this processor can take")
       .def("run", &HandWrittenStep::run, nb::arg("num_steps"), nb::arg("step"))
       .def("displacement", [](const HandWrittenStep& self) { return take(self.displacement()); }, nb::rv_policy::move);
+  nb::class_<HandWrittenContact>(
+      m, "HandWrittenContact",
+      "Penalty contact of nodes over quadrilaterals, written by hand: nodes stay over their facets")
+      .def(
+          "__init__",
+          [](HandWrittenContact* self, Values x, Indices slaves, Indices facets, double stiffness, double friction)
+          {
+            new (self) HandWrittenContact(view(x), {slaves.data(), slaves.size()}, {facets.data(), facets.size()},
+                                          stiffness, friction);
+          },
+          nb::arg("x"), nb::arg("slaves"), nb::arg("facets"), nb::arg("stiffness"), nb::arg("friction"))
+      .def_static("available", &HandWrittenContact::available, "Has this processor the vectors that it is written for?")
+      .def(
+          "evaluate", [](HandWrittenContact& self, Values u, Values du, bool cold)
+          { return self.evaluate(view(u), view(du), cold); }, nb::arg("u"), nb::arg("du"), nb::arg("cold"),
+          "Add the forces of one step; returns the time that it takes [s]")
+      .def(
+          "gap", [](const HandWrittenContact& self) { return take(self.gap()); }, nb::rv_policy::move)
+      .def(
+          "forces", [](const HandWrittenContact& self)
+          { return take(std::vector<double>(self.forces().begin(), self.forces().end())); }, nb::rv_policy::move);
 }

@@ -52,7 +52,9 @@ def test_no_stable_step_is_timed_among_the_others(monkeypatch):
 
 def test_rows_of_contact():
     rows = bench_explicit.contact_rows((6, 4), (6, 2), steps=(10, 10), rounds=(1, 1))
-    assert len(rows) == 4 * len(bench_explicit.CONTACTS)
+    by_hand = [r for r in rows if "written by hand" in r["name"]]
+    assert len(by_hand) == 2 * _cpp.bench.HandWrittenContact.available()  # penalty, without and with friction
+    assert len(rows) - len(by_hand) == 4 * len(bench_explicit.CONTACTS)
     shares = [r for r in rows if "share of a step" in r["name"]]
     assert len(shares) == 4 and all(r["cell"] == "49 of 490 nodes" for r in shares)
     assert all(0.0 < r["ratio"] < 1.0 for r in shares)
