@@ -97,7 +97,7 @@ def run_doxygen(app, config):
         "QUIET": "YES",
         "MACRO_EXPANSION": "YES",
         "EXPAND_ONLY_PREDEF": "YES",
-        "PREDEFINED": "__attribute__(x)=",
+        "PREDEFINED": '" "'.join(("__attribute__(x)=", "IMPACT_INLINED=inline", "IMPACT_CLONES=")),
         "AUTOLINK_SUPPORT": "NO",
         "WARN_IF_UNDOCUMENTED": "NO",
         "WARN_IF_INCOMPLETE_DOC": "NO",

@@ -6,6 +6,29 @@ import dolfinx.cpp
 import numpy
 from numpy.typing import NDArray
 
+class HandWrittenContact:
+    """
+    Penalty contact of nodes over quadrilaterals, written by hand: nodes stay over their facets
+    """
+
+    def __init__(
+        self,
+        x: NDArray[numpy.floating[Any]],
+        slaves: NDArray[numpy.integer[Any]],
+        facets: NDArray[numpy.integer[Any]],
+        stiffness: float,
+        friction: float,
+    ) -> None: ...
+    @staticmethod
+    def available() -> bool:
+        """Has this processor the vectors that it is written for?"""
+
+    def evaluate(self, u: NDArray[numpy.floating[Any]], du: NDArray[numpy.floating[Any]], cold: bool) -> float:
+        """Add the forces of one step; returns the time that it takes [s]"""
+
+    def gap(self) -> NDArray[numpy.float64]: ...
+    def forces(self) -> NDArray[numpy.float64]: ...
+
 class HandWrittenStep:
     """
     Central differences of a linear elastic body, written by hand for one cell and one law

@@ -18,7 +18,7 @@ namespace dolfinx_impact::enforcement
 {
 namespace
 {
-using common::Column, common::column;
+using common::Column, common::column, common::LooseColumn;
 using surface::FacetShape;
 
 constexpr int any = -1;  ///< number of a facet's nodes that is not known to the compiler
@@ -157,10 +157,10 @@ IMPACT_CLONES IMPACT_FLATTEN void begin_lanes(const ClosedRules& rules, ClosedBa
       Column phi[room<N>], r[room<N> * D];
       const Vector x = read_rows<D>(input.x, l);
       for_nodes(num, [&](int j) { phi[j] = column(b.masters[j].phi + l); });
-      correction.set<D>(num, [&](int j, int c) { return X[j].c[c]; }, phi, x.c, r);
+      correction.set<D>(num, [&](int j, int c) -> const Column& { return X[j].c[c]; }, phi, x.c, r);
       // A node that sticks at a distance, within layers of the surfaces, turns with the facet: that is no slip.
       if constexpr (rubs)
-        correction.add_rotation<D>(num, r, [&](int j, int c) { return du[j].c[c]; }, turn.c);
+        correction.add_rotation<D>(num, r, [&](int j, int c) -> const Column& { return du[j].c[c]; }, turn.c);
 #pragma GCC unroll 4
       for (int c = 0; c < D; ++c)
         column(b.arm[c] + l) = correction.e[c];
@@ -270,7 +270,7 @@ IMPACT_CLONES IMPACT_FLATTEN void add_lanes(const ClosedRules& rules, ClosedBatc
     {
       Column r[room<N> * D];
       const auto moments =
-          moments_of<D, Column>(num, b, [l](const double* row) -> Column { return column(row + l); }, r);
+          moments_of<D, Column>(num, b, [l](const double* row) -> const LooseColumn& { return column(row + l); }, r);
       moments.template forces<D>(num, r, f.c,
                                  [&](int j, int c, const Column& value)
                                  {
