@@ -10,6 +10,7 @@ from . import (
     contact,
     elements,
     explicit,
+    free_motion,
     interface,
     model,
     newmark,
@@ -51,6 +52,7 @@ from .elements import (
     second_piola,
 )
 from .explicit import ExplicitResult, GeneralContact, NodalKinematic, NodalPenalty, RigidBall
+from .free_motion import BodyForces, FreeMotion, lumped_mass, move_freely
 from .interface import (
     InterfaceHistory,
     adhesive_pressure,
@@ -62,7 +64,7 @@ from .interface import (
 )
 from .model import Model
 from .newmark import ImplicitContact, NewmarkContactHistory, NewmarkResult, NewmarkScheme
-from .one_point import OnePointForces, OnePointRun, element_one_point, run_one_point
+from .one_point import OnePointForces, element_one_point, run_one_point
 from .one_point_flow import FlowingCell, FlowingRun, OnePointPlastic, run_one_point_plastic
 from .plastic_body import PlasticBody, PlasticStates
 from .plasticity import J2Answer, J2History, J2Parameters, J2Point, PlasticElement, element_plastic
@@ -82,12 +84,14 @@ from .sparse import Csr
 from .tie import Tie, TieSolution
 
 __all__ = [
+    "BodyForces",
     "Contact",
     "ContactSolution",
     "Csr",
     "ExplicitResult",
     "FlowingCell",
     "FlowingRun",
+    "FreeMotion",
     "GeneralContact",
     "ImplicitContact",
     "InterfaceHistory",
@@ -104,7 +108,6 @@ __all__ = [
     "NodalPenalty",
     "OnePointForces",
     "OnePointPlastic",
-    "OnePointRun",
     "PlasticBody",
     "PlasticElement",
     "PlasticStates",
@@ -153,9 +156,12 @@ __all__ = [
     "facet_nodes",
     "facet_type",
     "facets",
+    "free_motion",
     "friction_history",
     "interface",
+    "lumped_mass",
     "model",
+    "move_freely",
     "newmark",
     "one_point",
     "one_point_flow",

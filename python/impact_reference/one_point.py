@@ -16,6 +16,7 @@ import numpy as np
 from . import elements, rules
 from ._reference import Material
 from .array_types import ArrayLike, FloatArray, floats, integers
+from .free_motion import BodyForces, FreeMotion, lumped_mass, move_freely
 
 CELLS = ("quadrilateral", "hexahedron")
 LAWS = ("linear_elastic", "st_venant_kirchhoff", "neo_hookean")
@@ -181,21 +182,6 @@ def element_one_point(cell_type: str, X: ArrayLike, material: Material, u: Array
     return OnePointForces(volume * density + hourglass, hourglass, force, tangent)
 
 
-@dataclass
-class OnePointRun:
-    """Motion of a body of cells with one point.
-
-    Attributes:
-        displacement: at the end, shape (num_nodes, gdim) [L].
-        internal: strain energy at the end, that of the hourglass modes included [F L].
-        hourglass: energy of the hourglass modes at the end [F L].
-    """
-
-    displacement: FloatArray
-    internal: float
-    hourglass: float
-
-
 def run_one_point(
     points: FloatArray,
     cells: ArrayLike,
@@ -204,7 +190,7 @@ def run_one_point(
     velocity: FloatArray,
     dt: float,
     num_steps: int,
-) -> OnePointRun:
+) -> FreeMotion:
     """Free motion of a body by central differences with lumped mass.
 
     Args:
@@ -217,25 +203,17 @@ def run_one_point(
         num_steps: number of steps [1].
 
     Returns:
-        OnePointRun.
+        FreeMotion.
     """
     connectivity = integers(cells, "cells", 2)
-    mass, u, v = np.zeros_like(points), np.zeros_like(points), np.array(velocity)
-    for cell in connectivity:
-        mass[cell] += elements.element_lumped_mass(cell_type, points[cell], material).reshape(len(cell), -1)
 
-    def evaluate() -> tuple[FloatArray, float, float]:
-        force, internal, hourglass = np.zeros_like(points), 0.0, 0.0
+    def forces(u: FloatArray) -> BodyForces:
+        out = BodyForces(np.zeros_like(points), 0.0, 0.0)
         for cell in connectivity:
             found = element_one_point(cell_type, points[cell], material, u[cell])
-            force[cell] += found.force.reshape(len(cell), -1)
-            internal, hourglass = internal + found.energy, hourglass + found.hourglass
-        return force, internal, hourglass
+            out.force[cell] += found.force.reshape(len(cell), -1)
+            out.internal += found.energy
+            out.hourglass += found.hourglass
+        return out
 
-    force, internal, hourglass = evaluate()
-    v -= 0.5 * dt * force / mass
-    for _ in range(num_steps):
-        u += dt * v
-        force, internal, hourglass = evaluate()
-        v -= dt * force / mass
-    return OnePointRun(u, internal, hourglass)
+    return move_freely(lumped_mass(points, cells, cell_type, material), velocity, forces, dt, num_steps)

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import elements, rules
+from . import rules
 from ._reference import Material
 from .array_types import AnyArray, ArrayLike, FloatArray, floats, integers
+from .free_motion import BodyForces, FreeMotion, lumped_mass, move_freely
 from .one_point import hourglass_vectors, uniform_gradient
 from .plasticity import J2Answer, J2Parameters, J2Point
 
@@ -179,19 +180,13 @@ class OnePointPlastic:
 
 
 @dataclass
-class FlowingRun:
-    """Motion of a body of such cells.
+class FlowingRun(FreeMotion):
+    """End of a motion of a body of such cells.
 
     Attributes:
-        displacement: at the end, shape (num_nodes, gdim) [L].
-        internal: elastic energy at the end, that of the hourglass modes included [F L].
-        hourglass: elastic energy of the hourglass modes at the end [F L].
-        plastic_strain: equivalent plastic strain of the cells at the end, shape (num_cells) [1].
+        plastic_strain: equivalent plastic strain of the cells, shape (num_cells) [1].
     """
 
-    displacement: FloatArray
-    internal: float
-    hourglass: float
     plastic_strain: FloatArray
 
 
@@ -225,29 +220,21 @@ def run_one_point_plastic(
         FlowingRun.
     """
     connectivity = integers(cells, "cells", 2)
-    mass, u, v = np.zeros_like(points), np.zeros_like(points), np.array(velocity)
-    for cell in connectivity:
-        mass[cell] += elements.element_lumped_mass(cell_type, points[cell], material).reshape(len(cell), -1)
     bodies = [
         OnePointPlastic(cell_type, points[cell], parameters, slope, material.hypothesis, strain)
         for cell in connectivity
     ]
 
-    def evaluate() -> tuple[FloatArray, float, float]:
-        force, internal, hourglass = np.zeros_like(points), 0.0, 0.0
-        for number, body in enumerate(bodies):
-            cell = connectivity[number]
+    def forces(u: FloatArray) -> BodyForces:
+        out = BodyForces(np.zeros_like(points), 0.0, 0.0)
+        for cell, body in zip(connectivity, bodies, strict=True):
             found = body.evaluate(u[cell])
             body.commit(found)
-            force[cell] += found.force.reshape(len(cell), -1)
-            internal, hourglass = internal + found.energy, hourglass + found.hourglass
-        return force, internal, hourglass
+            out.force[cell] += found.force.reshape(len(cell), -1)
+            out.internal += found.energy
+            out.hourglass += found.hourglass
+        return out
 
-    force, internal, hourglass = evaluate()
-    v -= 0.5 * dt * force / mass
-    for _ in range(num_steps):
-        u += dt * v
-        force, internal, hourglass = evaluate()
-        v -= dt * force / mass
+    end = move_freely(lumped_mass(points, cells, cell_type, material), velocity, forces, dt, num_steps)
     strains = np.array([float(body.point.history.plastic_strain[0]) for body in bodies])
-    return FlowingRun(u, internal, hourglass, strains)
+    return FlowingRun(end.displacement, end.internal, end.hourglass, strains)
