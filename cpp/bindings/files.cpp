@@ -152,11 +152,9 @@ void dolfinx_impact::bindings::files(nb::module_& m)
       "input_cells", [](const dolfinx::mesh::Mesh<double>& mesh) { return take(input_cells(mesh)); }, nb::arg("mesh"),
       nb::rv_policy::move, "Numbers of this rank's owned cells in the mesh's input; raises for submeshes");
   m.def(
-      "set_input_numbers",
-      [](dolfinx::mesh::Mesh<double>& mesh, const InputNumbers& cells, const InputNumbers& nodes) {
-        set_input_numbers(mesh, {cells.data(), cells.size()}, {nodes.data(), nodes.size()});
-      },
-      nb::arg("mesh"), nb::arg("cells"), nb::arg("nodes"),
+      "set_input_numbers", [](dolfinx::mesh::Mesh<double>& mesh, const InputNumbers& cells, const InputNumbers& nodes)
+      { set_input_numbers(mesh, {cells.data(), cells.size()}, {nodes.data(), nodes.size()}); }, nb::arg("mesh"),
+      nb::arg("cells"), nb::arg("nodes"),
       "Give cells and geometry nodes of a mesh, ghosts included, other numbers in its input");
   m.def(
       "write",
