@@ -16,6 +16,7 @@ namespace
 using namespace dolfinx_impact::bindings;
 using dolfinx_impact::state::State;
 typedef dolfinx::fem::FunctionSpace<double> Space;
+typedef nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu> InputNumbers;
 
 /// Values of attributes by their names.
 typedef nb::typed<nb::dict, std::string, nb::any> Named;
@@ -150,6 +151,11 @@ void dolfinx_impact::bindings::files(nb::module_& m)
   m.def(
       "input_cells", [](const dolfinx::mesh::Mesh<double>& mesh) { return take(input_cells(mesh)); }, nb::arg("mesh"),
       nb::rv_policy::move, "Numbers of this rank's owned cells in the mesh's input; raises for submeshes");
+  m.def(
+      "set_input_numbers", [](dolfinx::mesh::Mesh<double>& mesh, const InputNumbers& cells, const InputNumbers& nodes)
+      { set_input_numbers(mesh, {cells.data(), cells.size()}, {nodes.data(), nodes.size()}); }, nb::arg("mesh"),
+      nb::arg("cells"), nb::arg("nodes"),
+      "Give cells and geometry nodes of a mesh, ghosts included, other numbers in its input");
   m.def(
       "write",
       [](const std::string& path, const Space& V, const State& state, const Named& identity, const State& supports,

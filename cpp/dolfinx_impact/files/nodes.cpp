@@ -5,6 +5,7 @@
 #include <dolfinx/la/Vector.h>
 #include <functional>
 #include <stdexcept>
+#include <string>
 
 namespace dolfinx_impact::files
 {
@@ -58,6 +59,22 @@ std::vector<std::int64_t> input_cells(const dolfinx::mesh::Mesh<double>& mesh)
                              "have: make the mesh with create_mesh, or read it from a file");
   const std::vector<std::int64_t>& all = topology.original_cell_index[0];
   return {all.begin(), all.begin() + std::ptrdiff_t(num)};
+}
+
+void set_input_numbers(dolfinx::mesh::Mesh<double>& mesh, std::span<const std::int64_t> cells,
+                       std::span<const std::int64_t> nodes)
+{
+  const auto topology = mesh.topology();
+  const auto map = topology->index_map(topology->dim());
+  // DOLFINx has no call that changes the nodes' numbers; the mesh, to which they belong, is not const.
+  auto& numbers = const_cast<std::vector<std::int64_t>&>(mesh.geometry().input_global_indices());
+  if (cells.size() != std::size_t(map->size_local() + map->num_ghosts()) || nodes.size() != numbers.size())
+    throw std::invalid_argument("numbers in the mesh's input are given for " + std::to_string(cells.size()) +
+                                " cells and " + std::to_string(nodes.size()) + " nodes, found " +
+                                std::to_string(map->size_local() + map->num_ghosts()) + " and " +
+                                std::to_string(numbers.size()) + " on this rank");
+  topology->original_cell_index = {{cells.begin(), cells.end()}};
+  numbers.assign(nodes.begin(), nodes.end());
 }
 
 std::vector<std::int64_t> cell_nodes(const dolfinx::fem::FunctionSpace<double>& V)

@@ -78,6 +78,13 @@ def read(
 def seal(content: bytes) -> bytes:
     """Seal of a file with this content, to be written behind it"""
 
+def set_input_numbers(
+    mesh: dolfinx.cpp.mesh.Mesh_float64, cells: NDArray[numpy.integer[Any]], nodes: NDArray[numpy.integer[Any]]
+) -> None:
+    """
+    Give cells and geometry nodes of a mesh, ghosts included, other numbers in its input
+    """
+
 def write(
     path: str,
     V: dolfinx.cpp.fem.FunctionSpace_float64,

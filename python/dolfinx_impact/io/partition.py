@@ -12,7 +12,8 @@ from dolfinx import cpp, io, la, mesh
 from dolfinx.mesh import Mesh, MeshTags
 from mpi4py import MPI
 
-from .. import compat
+from .. import _cpp, compat
+from ..common.cell_numbers import has_input, input_cell_numbers
 from ..common.collective import common, guard
 from ..common.types import FloatArray, IntArray
 from .bisection import Cost, bisect, one_rank_each
@@ -30,7 +31,7 @@ class PartitionedMesh:
     """A mesh with equal work on all ranks; unpacks as (mesh, cell_tags, facet_tags).
 
     Attributes:
-        mesh: the mesh, without ghost cells.
+        mesh: the mesh, without ghost cells. Its cells and nodes keep their numbers in the input of the first mesh.
         cell_tags: tags of its cells; None if none were given.
         facet_tags: tags of its facets; None if none were given.
         work: of this rank: cost of the cells and slave nodes that it owns, in cells [1].
@@ -109,6 +110,7 @@ def partition(
         partitioner=lambda *given: one_rank_each(parts),
     )
     new_cells, new_facets = (None if t is None else _move(domain, t, made) for t in (cell_tags, facet_tags))
+    _keep_input_numbers(domain, made)
     with guard(domain.comm, "partition"):  # `cell_cost` is called with other midpoints than before
         new_costs = _cell_costs(made, cell_cost)
     work = _work(made, new_facets, slave, float(node_cost), new_costs)
@@ -201,6 +203,38 @@ def _move(domain: Mesh, tags: MeshTags, made: Mesh) -> MeshTags:
     out = mesh.meshtags_from_entities(made, dim, compat.adjacencylist(vertices), values)
     out.name = tags.name
     return out
+
+
+def _keep_input_numbers(domain: Mesh, made: Mesh) -> None:
+    """Give cells and geometry nodes the numbers that they have in the input of the first mesh. Collective.
+
+    Checkpoints, the choice between facets at one distance, and messages know cells by them: they must not depend on the
+    ranks. Of a submesh, which has no input, they are its global numbers.
+    """
+    topology, geometry = domain.topology, domain.geometry
+    cells, nodes = topology.index_map(topology.dim), geometry.index_map()
+    given: IntArray = np.arange(*cells.local_range, dtype=np.int64)
+    if domain.comm.allreduce(has_input(topology), MPI.LAND):
+        given = input_cell_numbers(topology)[: cells.size_local].astype(np.int64)
+    of_nodes = geometry.input_global_indices[: nodes.size_local]
+    _cpp.files.set_input_numbers(
+        made._cpp_object,
+        _from_owners(domain.comm, given, made.topology.original_cell_index),
+        _from_owners(domain.comm, of_nodes, made.geometry.input_global_indices),
+    )
+
+
+def _from_owners(comm: MPI.Comm, values: IntArray, wanted: IntArray) -> IntArray:
+    """Values of entities by their global numbers; each rank has those of its own, in this order. Collective."""
+    ends = np.cumsum(comm.allgather(len(values)))
+    owners = np.searchsorted(ends, wanted, side="right")
+    order = np.argsort(owners, kind="stable")
+    asked = np.split(wanted[order], np.searchsorted(owners[order], np.arange(1, comm.size)))
+    first = ends[comm.rank] - len(values)
+    replies = comm.alltoall([values[numbers - first] for numbers in comm.alltoall(asked)])
+    found = np.empty(len(wanted), dtype=np.int64)
+    found[order] = np.concatenate(replies)
+    return found
 
 
 def _work(

@@ -2,6 +2,7 @@
 """Laws of friction in problems, on one rank and on several: tractions, motions, restart."""
 
 import functools
+import itertools
 import tempfile
 from pathlib import Path
 
@@ -151,6 +152,49 @@ def check_restart():
             for problem in (whole, other):
                 problem.advance(1.6, progress=False, **steps)
             assert np.array_equal(whole.u.x.array, other.u.x.array), kind
+        MPI.COMM_WORLD.barrier()
+
+
+def thrown(blocks, rigid):
+    """A block that is thrown down and sideways, with kinematic friction of pressure, velocity and temperatures."""
+
+    def coefficient(pressure, slip_rate, fields, parameters):
+        return of_both(pressure, fields, parameters) / (1 + ufl.sqrt(ufl.dot(slip_rate, slip_rate) + 1e-6))
+
+    dim = blocks.dim
+    law = di.FrictionLaw(coefficient, fields={"T": temperatures(blocks.V)}, parameters={"mu": 0.3})
+    pair = blocks.pair(friction=law)
+    if rigid:
+        up = np.eye(dim)[-1]
+        pair = di.ContactPair(blocks.tags, pair.slave, di.RigidPlane(up, up), friction=law)
+    velocity = fem.Function(blocks.V)
+    cells = np.arange(len(blocks.V.dofmap.list), dtype=np.int32)
+    above = mesh.compute_midpoints(blocks.mesh, dim, cells)[:, dim - 1] > 1.0
+    nodes = np.unique(blocks.V.dofmap.list[cells[above]])
+    velocity.x.array.reshape(-1, dim)[nodes] = (1.5, 0.4, -1.0) if dim == 3 else (1.5, -1.0)
+    return di.ExplicitProblem(blocks.u, steel(dim), velocity=velocity, bcs=blocks.held(BOTTOM, *range(dim)),
+                              contact=[di.Kinematic(pair)])  # fmt: skip
+
+
+def check_restart_of_kinematic_friction():
+    """A run goes on to the bit from a checkpoint in the middle of contact, on bodies and rigid obstacles: the first
+    coefficients of a step are those of the pressure of the step before."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = MPI.COMM_WORLD.bcast(Path(folder) / "thrown.h5", root=0)
+        for cell, rigid in itertools.product(("triangle", "quadrilateral", "tetrahedron", "hexahedron"), (False, True)):
+            dim = 2 if cell in ("triangle", "quadrilateral") else 3
+            blocks = Blocks(cell, (3,) * dim, (4,) * (dim - 1) + (2,), gap=0.01, narrow=0.15)
+            whole = thrown(blocks, rigid)
+            whole.advance(0.03, progress=False)
+            slips = blocks.total([np.count_nonzero(whole.contact[0].status == di.ContactStatus.slip)])
+            assert slips > 0 and whole.energy["friction"] > 0.0, (cell, rigid)
+            whole.save(path)
+            other = thrown(blocks.again(), rigid)
+            other.restore(path)
+            for problem in (whole, other):
+                problem.advance(0.05, progress=False)
+            assert np.array_equal(whole.u.x.array, other.u.x.array), (cell, rigid)
+            assert whole.energy == other.energy, (cell, rigid)
         MPI.COMM_WORLD.barrier()
 
 

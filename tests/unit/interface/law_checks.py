@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Laws of the interface in problems, on one rank and on several: equilibrium, energies, restart, what is refused."""
 
+import itertools
 import tempfile
 from pathlib import Path
 
 import dolfinx_impact as di
 import numpy as np
+import ufl
 from blocks import BOTTOM, MASTER, SLAVE, TOP, Blocks
-from dolfinx import fem
+from dolfinx import fem, mesh
 from dolfinx_impact import interface
 from mpi4py import MPI
 
@@ -285,6 +287,117 @@ def check_energy_where_nodes_leave_with_friction():
         assert closed > 0 and left > 0 and energy["friction"] > 1e-3 * energy["kinetic"]
         # Of sums of some thousand works; half a step's work where nodes leave, without its moments, is 1e-4.
         assert abs(energy["drift"]) < 1e-11, (dim, cell, rigid, energy)
+
+
+def damaged(reach):
+    """A bond whose damage is the largest opening so far over one hundredth."""
+
+    def respond(point):
+        opening = ufl.max_value(point.gap, 0)
+        damage = ufl.max_value(point.history.damage, ufl.min_value(100 * opening, 1))
+        return di.InterfaceUpdate(2e4 * ((damage - 1) * opening - ufl.min_value(point.gap, 0)),
+                                  history={"damage": damage})  # fmt: skip
+
+    return di.InterfaceLaw(response=respond, history={"damage": ()}, reach=reach)
+
+
+def tumbling(blocks, spin, down=0.0, turned=0.0):
+    """Displacement that turns the upper block about its middle, and its velocity; in space about the second axis."""
+    dim = blocks.dim
+    middle, c, s = np.full(dim, 0.5), np.cos(turned), np.sin(turned)
+    middle[-1] = 1.25
+    plane = np.array([[0.0, -1.0], [1.0, 0.0]])
+    u, v = fem.Function(blocks.V), fem.Function(blocks.V)
+    nodes = np.unique(blocks.V.dofmap.list[_cells_above(blocks)])
+    r = (blocks.V.tabulate_dof_coordinates()[nodes, :dim] - middle)[:, [0, -1]]
+    now = r @ np.array([[c, -s], [s, c]]).T
+    u.x.array.reshape(-1, dim)[np.ix_(nodes, [0, dim - 1])] = now - r
+    v.x.array.reshape(-1, dim)[np.ix_(nodes, [0, dim - 1])] = spin * now @ plane.T - [0.0, down]
+    return u, v
+
+
+def check_tractions_of_nodes_that_come_and_go():
+    """A block that tumbles onto another one or onto a plane: its nodes come within reach one after the other, and
+    leave. At every step the pressure of each node is the law's at its gap, with its own history."""
+    p0, c = 40.0, 0.04
+    laws = {"exponential": lambda: interface.exponential_pressure(p0, c), "damaged": lambda: damaged(c)}
+    for cell, (lower, upper) in CASES.items():
+        for rigid, name in itertools.product((False, True), laws):
+            dim = len(lower)
+            blocks = Blocks(cell, lower, upper, gap=0.06, narrow=0.1)
+            u, v = tumbling(blocks, 1.5, 0.6)
+            pair = blocks.pair()
+            if rigid:
+                up = np.eye(dim)[-1]
+                pair = di.ContactPair(blocks.tags, SLAVE, di.RigidPlane(up, up))
+            law = di.NeoHookean(E=1e3, nu=0.2, density=1.0, hypothesis="3d" if dim == 3 else "plane_strain")
+            run = di.ExplicitProblem(
+                u, law, velocity=v, bcs=blocks.held(BOTTOM, *range(dim)), contact=[di.Penalty(pair, law=laws[name]())]
+            )
+            damage, counts = np.zeros(len(run.contact[0].gap)), []
+
+            def look(run):
+                contact = run.contact[0]
+                gap = np.where(contact.gap < c, contact.gap, c)
+                if name == "exponential":
+                    y = 1.0 - gap / c
+                    exact = p0 / (np.e - 1.0) * y * np.expm1(y)
+                else:
+                    within = contact.gap < c
+                    damage[within] = np.maximum(damage, np.clip(100 * gap, 0.0, 1.0))[within]
+                    exact = 2e4 * np.where(within, (damage - 1) * np.maximum(gap, 0) - np.minimum(gap, 0), 0.0)
+                # A few operations, whose round-off is that of the gaps' positions, of size 1.
+                assert np.allclose(contact.pressure, exact, rtol=1e-9, atol=1e-9), (cell, rigid, name, run.step)
+                counts.append(np.count_nonzero(contact.gap < c))
+
+            run.advance(until=0.4, callback=look, progress=False, energy_limits=None)
+            changes = np.diff([int(n) for n in blocks.total([counts])])
+            assert np.count_nonzero(changes > 0) > 1 and np.any(changes < 0), (cell, rigid, name)
+
+
+def check_no_law_beyond_the_search_distance():
+    """A law without a reach is asked up to the search distance: a tension ends there."""
+    for cell in ("quadrilateral", "hexahedron"):
+        lower, upper = CASES[cell]
+        dim = len(lower)
+        blocks = Blocks(cell, lower, upper, gap=0.01)
+        v = fem.Function(blocks.V)
+        v.x.array.reshape(-1, dim)[np.unique(blocks.V.dofmap.list[_cells_above(blocks)]), -1] = 3.0
+        pull = di.InterfaceLaw(pressure=lambda gap: -0.01 + 0.0 * gap)
+        law = di.LinearElastic(E=1e3, nu=0.2, density=1.0, hypothesis="3d" if dim == 3 else "plane_strain")
+        run = di.ExplicitProblem(
+            fem.Function(blocks.V), law, velocity=v, bcs=blocks.held(BOTTOM, *range(dim)),
+            contact=[di.Penalty(blocks.pair(search_distance=0.2), law=pull)],
+        )  # fmt: skip
+        forces = []
+        run.advance(until=0.1, callback=lambda run: forces.append((run.time, run.contact[0].force[-1])), progress=False)
+        for time, force in forces:
+            gap = 0.01 + 3.0 * time
+            if abs(gap - 0.2) > 0.02:  # the pull slows the block and deforms it by much less
+                assert np.isclose(force, -0.01 if gap < 0.2 else 0.0, rtol=1e-9, atol=0.0), (cell, gap, force)
+        assert forces[-1][0] == 0.1
+
+
+def check_sides_that_turn_away():
+    """A block turns above another one, whose far side its own sides come to face. It never touches: no law acts,
+    whatever its reach, and the motion is that of a free block."""
+    for cell in CASES:
+        dim = 3 if cell in ("hexahedron", "tetrahedron") else 2
+        blocks = Blocks(cell, (3,) * dim, (4,) * (dim - 1) + (2,), gap=0.05, narrow=0.3)
+        outer = mesh.locate_entities_boundary(blocks.mesh, dim - 1, lambda x: x[dim - 1] > 1.01)
+        below = mesh.locate_entities_boundary(blocks.mesh, dim - 1, lambda x: x[dim - 1] < 1.01)
+        values = np.repeat([SLAVE, MASTER], [len(outer), len(below)]).astype(np.int32)
+        order = np.argsort(np.concatenate([outer, below]))
+        tags = mesh.meshtags(blocks.mesh, dim - 1, np.concatenate([outer, below])[order], values[order])
+        law = di.NeoHookean(E=1e3, nu=0.2, density=1.0, hypothesis="3d" if dim == 3 else "plane_strain")
+        motions = []
+        for contact in ([], [di.Penalty(di.ContactPair(tags, SLAVE, MASTER), law=interface.linear_pressure(1e3))]):
+            u, v = tumbling(blocks, 1.0, turned=-0.04)
+            run = di.ExplicitProblem(u, law, velocity=v, contact=contact)
+            run.advance(until=0.1, dt=5e-4, progress=False, energy_limits=None)
+            motions.append(run.u.x.array.copy())
+            assert run.energy["contact"] == 0.0, (cell, run.energy)
+        assert np.array_equal(*motions), cell
 
 
 def _thrown_apart(blocks):

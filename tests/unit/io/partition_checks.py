@@ -2,6 +2,8 @@
 """Meshes shared out anew: the same mesh with the same tags, and equal work, by what the ranks compute. See
 on_ranks.py."""
 
+import itertools
+
 import numpy as np
 import pytest
 import ufl
@@ -9,10 +11,13 @@ from dolfinx import fem, mesh
 from empty_rank_checks import all_cells_on
 from mpi4py import MPI
 from partitioned_bodies import scattered
+from shared_folder import shared_folder
 
 import dolfinx_impact as di
 from dolfinx_impact import meshes
 from dolfinx_impact.assembly.ffcx_form import ffcx_form
+from dolfinx_impact.common.cell_numbers import input_cell_numbers
+from dolfinx_impact.compat import geometry_dofmap
 
 COMM = MPI.COMM_WORLD
 NODE_COST = 3.0
@@ -54,14 +59,19 @@ def check_mesh_and_tags_come_along():
             assert np.allclose(after[key], values, rtol=1e-12), key
 
 
-def contact_run(domain, facet_tags, tags):
-    """Some steps of the upper block, which slides on the lower one with friction."""
+def contact_problem(domain, facet_tags, tags):
+    """The upper block, which slides on the lower one with friction."""
     V = fem.functionspace(domain, ("Lagrange", 1, (3,)))
     pair = di.ContactPair(facet_tags, slave=tags["slave_surface"], master=tags["master_surface"], friction=0.3)
     velocity = fem.Function(V)
     velocity.interpolate(lambda x: np.where(x[2] > 0.505, 1.0, 0.0) * np.array([[1.0], [0.3], [-2.0]]))
     law = di.LinearElastic(1e3, 0.3, 1.0, "3d")
-    problem = di.ExplicitProblem(fem.Function(V), law, velocity=velocity, contact=[di.Penalty(pair)])
+    return di.ExplicitProblem(fem.Function(V), law, velocity=velocity, contact=[di.Penalty(pair)])
+
+
+def contact_run(*given):
+    """Some steps of it."""
+    problem = contact_problem(*given)
     problem.advance(0.02, progress=False)
     return problem
 
@@ -89,6 +99,67 @@ def check_equal_work():
     # Sums in another order: round-off of 100 steps, 1e-14 each, of nodes that part and meet a few times.
     assert np.allclose(problem.contact[0].force, before.contact[0].force, rtol=1e-9)
     assert problem.energy["kinetic"] == pytest.approx(before.energy["kinetic"], rel=1e-9)
+
+
+def places_by_number(domain):
+    """Vertices of the cells and places of the nodes by their numbers in the mesh's input, of all ranks; cells come with
+    the order of their nodes, by which facets are told."""
+    num, nodes = domain.topology.index_map(domain.topology.dim).size_local, domain.geometry.index_map().size_local
+    x = domain.geometry.x
+    cells = zip(input_cell_numbers(domain.topology)[:num].tolist(), x[geometry_dofmap(domain)[:num]])
+    points = zip(domain.geometry.input_global_indices[:nodes].tolist(), x[:nodes])
+    found = [dict(pair for rank in COMM.allgather(list(given)) for pair in rank) for given in (cells, points)]
+    assert [len(numbers) for numbers in found] == [domain.topology.index_map(domain.topology.dim).size_global,
+                                                   domain.geometry.index_map().size_global]  # fmt: skip
+    return found
+
+
+def check_input_numbers_stay():
+    """Cells and nodes keep the numbers of the first mesh's input, also where a mesh is shared out twice: of all cells,
+    straight and curved. Coordinates are copied, so that they agree to the last bit."""
+    for cell, degree in itertools.product(("triangle", "quadrilateral", "tetrahedron", "hexahedron"), (1, 2)):
+        dim = 2 if cell in ("triangle", "quadrilateral") else 3
+        size = {} if dim == 3 else {"lower": (1.1, 0.5), "upper": (1.0, 0.5)}
+        counts = {"lower_cells": (4,) * dim, "upper_cells": (3,) * dim}
+        given = {"partitioner": scattered(4)} if COMM.size > 1 else {}
+        made = meshes.make("two_blocks", COMM, cell=cell, degree=degree, **counts, **({**SIZE, **size}), **given)
+        once = di.partition(made.mesh, None, made.facet_tags, slave=made.tags["slave_surface"])
+        twice = di.partition(once.mesh, cell_cost=lambda x: 1.0 + 20.0 * (x[:, 0] > 0.4))
+        before = places_by_number(made.mesh)
+        for shared in (once, twice):
+            for was, now in zip(before, places_by_number(shared.mesh)):
+                assert was.keys() == now.keys() and all(np.array_equal(was[k], now[k]) for k in was), (cell, degree)
+
+
+def check_submesh():
+    """A submesh has no input: what is made of it has numbers, each once."""
+    whole = mesh.create_unit_square(COMM, 6, 5, mesh.CellType.quadrilateral)
+    kept = mesh.locate_entities(whole, 2, lambda x: x[0] < 0.7)
+    shared = di.partition(mesh.create_submesh(whole, 2, kept)[0])
+    cells, _ = places_by_number(shared.mesh)
+    assert sorted(cells) == list(range(4 * 5))
+
+
+def check_checkpoints_of_other_partitions():
+    """A run that was saved on a mesh shared out goes on where the mesh is shared out in another way, and on the mesh
+    that was given."""
+    made = blocks(n=6)
+    dear = {"cell_cost": lambda x: 1.0 + 5.0 * (x[:, 0] > 0.3)}
+    shared = [di.partition(made.mesh, None, made.facet_tags, **given) for given in ({}, dear)]
+    others = [(m.mesh, m.facet_tags, made.tags) for m in (shared[1], made)]
+    run = contact_problem(shared[0].mesh, shared[0].facet_tags, made.tags)
+    run.advance(0.01, progress=False)
+    with shared_folder() as folder:
+        run.save(folder / "run.h5")
+        run.advance(0.02, progress=False)
+        for given in others:
+            again = contact_problem(*given)
+            again.restore(folder / "run.h5")
+            again.advance(0.02, progress=False)
+            assert again.step == run.step
+            # Sums in another order, as in check_equal_work.
+            assert np.allclose(again.contact[0].force, run.contact[0].force, rtol=1e-9)
+            assert again.energy["friction"] == pytest.approx(run.energy["friction"], rel=1e-9) != 0.0
 
 
 def check_dear_cells():

@@ -58,12 +58,16 @@ void KinematicContact::add_to(state::State& saved) const
 {
   saved.add_own("absorbed_energy", state::Place::node, _absorbed_energy);
   saved.add_own("impulse", state::Place::node, _impulse);
+  if (_options.friction_law) // the first coefficients of a step are those of the pressure of the last one
+    saved.add_own("friction_pressure", state::Place::node, _results.pressure);
 }
 
 void KinematicContact::resume_nodes(const state::State& saved)
 {
   std::ranges::copy(saved.values<double>("absorbed_energy"), _absorbed_energy.begin());
   std::ranges::copy(saved.values<double>("impulse"), _impulse.begin());
+  if (_options.friction_law)
+    std::ranges::copy(saved.values<double>("friction_pressure"), _results.pressure.begin());
 }
 
 void KinematicContact::assign_numbers(operators::Halo& halo, std::span<const std::int32_t> numbers,

@@ -92,6 +92,8 @@ void NodeLaw::find_points(const NodalState& state)
       continue;
     const std::size_t p = _found.size();
     _found.push_back(point);
+    if (p == _points.size()) // more nodes than in the step before
+      _points.resize(num_nodes());
     const double* n = point.at.normal;
     double* motion = _motion.data() + p * D;
     double increment[D] = {};
@@ -210,9 +212,15 @@ void NodeLaw::add_point(std::size_t p, const NodalState& state, std::span<double
       _master_forces.correct<D>(_corrections[p], point.num, point.corners,
                                 _arms.data() + p * surface::FacetElement::max_nodes * D, force, now.turn);
   }
-  if (!_rigid)
-    _tracker.track(i, point.at);
   _closed[i] = point.at.gap < 0.0;
+  if (!_rigid && _closed[i])
+    _tracker.track(i, point.at);
+  else if (!_rigid) // the search ends for nodes above the surface, also where the law reaches farther
+  {
+    search::Projection near = point.at;
+    near.clearance = 0.0; // all nodes are active in the next step
+    _tracker.release(i, near, state.u.data());
+  }
   const bool sticks = _tractions.sticks.empty() ? _law->has_shear() : _tractions.sticks[p] > 0.5;
   _results.status[i] = !acts ? ContactStatus::open : sticks ? ContactStatus::stick : ContactStatus::slip;
   _results.gap[i] = point.at.gap;
