@@ -227,7 +227,8 @@ def run_one_point_plastic(
 
     def forces(u: FloatArray) -> BodyForces:
         out = BodyForces(np.zeros_like(points), 0.0, 0.0)
-        for cell, body in zip(connectivity, bodies, strict=True):
+        for number, body in enumerate(bodies):
+            cell = connectivity[number]
             found = body.evaluate(u[cell])
             body.commit(found)
             out.force[cell] += found.force.reshape(len(cell), -1)

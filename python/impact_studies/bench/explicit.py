@@ -454,7 +454,7 @@ def hand_written_contact_row(model: Blocks, name: str, friction: float, ours: fl
     by_hand = _cpp.bench.HandWrittenContact(x.ravel(), slaves, below.ravel().astype(np.int32), 1.0, friction)
     u = problem.u.x.array.copy()
     du = 0.9 * problem._stepper.safe_step * problem.velocity.x.array
-    seconds = np.median([by_hand.evaluate(u, du, True) for _ in range(rounds)])
+    seconds = float(np.median([by_hand.evaluate(u, du, True) for _ in range(rounds)]))
     closed = contact.status[: len(slaves)] > 0
     difference = np.abs(by_hand.gap() - contact.gap[: len(slaves)])[closed].max()
     if not difference < 2 * np.abs(du).max():
