@@ -68,8 +68,8 @@ def figure(lines):
             style = {"label": ", ".join(key)} if key in named else {"color": "0.8", "zorder": 0}
             ax.plot(range(start, len(dates)), relative, "o-", markersize=3, linewidth=1, **style)
         # Of the date what fits beside its neighbours: months and days; the commit says the rest.
-        labels = ["\n".join((date[5:10], *commit.split())) for date, commit in dates]
-        ax.set_xticks(range(len(dates)), labels, fontsize=7)
+        labels = [" ".join((date[5:10], commit)) for date, commit in dates]
+        ax.set_xticks(range(len(dates)), labels, fontsize=7, rotation=30, ha="right", rotation_mode="anchor")
         ax.set(title=processor, ylabel="ratio over that of the first run [1]")
         ax.grid(alpha=0.3)
         ax.legend(fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5))
