@@ -65,4 +65,4 @@ def jobs(large: bool = False) -> list[Job]:
     Returns:
         A text and a function that returns rows.
     """
-    return [("explicit step, averaged pressure and strain", partial(averaged_rows, 36 if large else 20))]
+    return [("explicit step, averaged pressure and strain", partial(averaged_rows, 30 if large else 20))]

@@ -7,7 +7,8 @@ solves run in the same process with the same linear solver and tolerance.
 
 import time
 from collections.abc import Sequence
-from functools import partial
+from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 from dolfinx import fem
@@ -38,6 +39,24 @@ SOLVE = "static contact solve / tied linear solve"
 MEMORY = 24.0  # of a machine that one million unknowns shall fit in [GB]
 
 
+@lru_cache(maxsize=1)
+def pressed_mesh(cell: str, h: float, coarse: float) -> Any:
+    """Mesh of the two bodies, which the solves of a case share.
+
+    Args:
+        cell: "quadrilateral" or "hexahedron".
+        h: mesh size at the contact [L].
+        coarse: size of the largest cells [L].
+
+    Returns:
+        Mesh with its tags.
+    """
+    solid = cell == "hexahedron"
+    recipe = "sphere_on_half_space" if solid else "cylinder_on_half_plane"
+    sizes = {"radius": 50.0, "a": 1.0, "h": h, "width": 12.0, "height": 12.0, "coarse": coarse}
+    return meshes.make(recipe, MPI.COMM_SELF, **sizes, **({"core": 1.3, "symmetry": "quarter"} if solid else {}))
+
+
 class PressedBodies:
     """A quarter of a ball (in the plane: half of a cylinder) on a block; its top is displaced downwards.
 
@@ -49,10 +68,7 @@ class PressedBodies:
     """
 
     def __init__(self, cell: str, h: float, coarse: float, friction: float = 0.0) -> None:
-        solid = cell == "hexahedron"
-        recipe = "sphere_on_half_space" if solid else "cylinder_on_half_plane"
-        sizes = {"radius": 50.0, "a": 1.0, "h": h, "width": 12.0, "height": 12.0, "coarse": coarse}
-        model = meshes.make(recipe, MPI.COMM_SELF, **sizes, **({"core": 1.3, "symmetry": "quarter"} if solid else {}))
+        solid, model = cell == "hexahedron", pressed_mesh(cell, h, coarse)
         gdim = model.mesh.geometry.dim
         self.V = V = fem.functionspace(model.mesh, ("Lagrange", 1, (gdim,)))
         self.num_unknowns: int = gdim * V.dofmap.index_map.size_global

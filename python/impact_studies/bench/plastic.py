@@ -437,8 +437,8 @@ def jobs(large: bool = False) -> list[Job]:
         A text and a function that returns rows, for each measurement.
     """
     return [
-        ("explicit step, j2", partial(speed_rows, 36 if large else 30)),
-        ("explicit step, j2, one point", partial(reduced_rows, 36 if large else 30)),
+        ("explicit step, j2", partial(speed_rows, 33 if large else 30)),
+        ("explicit step, j2, one point", partial(reduced_rows, 33 if large else 30)),
         ("explicit step, j2, the usual way", usual_row),
         ("explicit step, law of one's own", own_row),
         ("explicit memory, j2", partial(memory_rows, 64 if large else 40)),

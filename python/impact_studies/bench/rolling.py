@@ -24,13 +24,16 @@ FEW = 4  # points of a curve where time is short
 SAME = 1e-4  # of friction times load: the accuracy of the solver, which begins at other states
 
 
-def rolling_rows(cells: int = CELLS, points: int = len(POINTS), reach: float = 5.0) -> list[Row]:
+def rolling_rows(
+    cells: int = CELLS, points: int = len(POINTS), reach: float = 5.0, largest: float = POINTS[-1]
+) -> list[Row]:
     """Measure one point and a curve.
 
     Args:
         cells: in each half-axis of the contact.
         points: number of points of the curve.
         reach: size of the bodies in larger half-axes.
+        largest: creep up to which points of the curve are found; POINT at least [1].
 
     Returns:
         Rows.
@@ -66,6 +69,7 @@ def rolling_rows(cells: int = CELLS, points: int = len(POINTS), reach: float = 5
         return model.sides * float(force[0]) / limit
 
     creeps = POINTS[:: max(1, (len(POINTS) - 1) // (points - 1))]
+    creeps = creeps[creeps <= largest]
 
     def curve() -> float:
         problem, spin.omega = model.rolling(data.friction), free
@@ -96,5 +100,7 @@ def jobs(large: bool) -> list[Job]:
     Returns:
         A text and a function that returns rows, for each measurement.
     """
-    sizes = (CELLS, LARGE) if large else (CELLS,)
-    return [(f"creep curve, {cells} cells", partial(rolling_rows, cells, FEW)) for cells in sizes]
+    out: list[Job] = [(f"creep curve, {CELLS} cells", partial(rolling_rows, CELLS, FEW))]
+    if large:  # no more points of the curve than tell that it has the point
+        out.append((f"creep curve, {LARGE} cells", partial(rolling_rows, LARGE, FEW, largest=POINT)))
+    return out
