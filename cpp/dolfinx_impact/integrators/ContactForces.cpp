@@ -16,10 +16,10 @@ namespace
 {
 constexpr std::size_t sums_of_body = 12; ///< force and its moment
 
-/// Sums over entries of what a correction adds to the velocities: the change of the momentum times the velocity before
-/// and times the sum of the velocities, twice the change of the kinetic energy, and that of the velocity times the
-/// residual before [F L/T^2, F L/T^2, F L/T].
-struct Products
+/// What corrected velocities add to the sums of the update (Sums): over all entries, mass times the change of the
+/// velocity, times the velocity before and times the sum of predicted and corrected velocity [F L]; and the change
+/// times the residual before [F L/T].
+struct CorrectionSums
 {
   double momentum, speed, after;
 };
@@ -28,8 +28,8 @@ struct Products
 /// mass times the change of the velocity is h times the force, so that no mass is needed.
 /// @param[in] h step [T]
 /// @param[in,out] v predicted, then corrected [L/T]
-IMPACT_CLONES Products correct_velocities(std::size_t size, double h, const double* inverse, const double* force,
-                                          const double* v_before, const double* r_before, double* v)
+IMPACT_CLONES CorrectionSums correct_velocities(std::size_t size, double h, const double* inverse, const double* force,
+                                                const double* v_before, const double* r_before, double* v)
 {
   using common::Column, common::column;
   Column momentum = {}, speed = {}, after = {};
@@ -43,8 +43,8 @@ IMPACT_CLONES Products correct_velocities(std::size_t size, double h, const doub
     speed += impulse * (now + predicted);
     after += column(r_before + j) * (now - predicted);
   }
-  Products out = {momentum[0] + momentum[1] + momentum[2] + momentum[3], speed[0] + speed[1] + speed[2] + speed[3],
-                  after[0] + after[1] + after[2] + after[3]};
+  CorrectionSums out = {momentum[0] + momentum[1] + momentum[2] + momentum[3],
+                        speed[0] + speed[1] + speed[2] + speed[3], after[0] + after[1] + after[2] + after[3]};
   for (; j < size; ++j)
   {
     const double predicted = v[j], impulse = inverse[j] != 0.0 ? h * force[j] : 0.0;
@@ -473,11 +473,11 @@ void ContactForces::correct(NodalFields& fields, double dt, double last_step, do
   n.put_displacements(fields);
   fields.update_ghost_velocities(dt); // so far they are those of the prediction
   const std::size_t bs = std::size_t(fields.bs), owned = n.halo()->num_owned();
-  const Products products = correct_velocities(owned * bs, h, n.inverse.data(), n.kinematic.data(), n.v_before.data(),
-                                               n.r_before.data(), n.v.data());
-  sums.momentum += products.momentum;
-  sums.speed += products.speed;
-  sums.after += products.after;
+  const CorrectionSums added = correct_velocities(owned * bs, h, n.inverse.data(), n.kinematic.data(),
+                                                  n.v_before.data(), n.r_before.data(), n.v.data());
+  sums.momentum += added.momentum;
+  sums.speed += added.speed;
+  sums.after += added.after;
   for (std::size_t k = 0; k < owned && loads.forces(); ++k)
     for (std::size_t c = 0; c < bs; ++c)
       if (const double load = loads.force(std::size_t(n.nodes()[k]) * fields.stride + c); load != 0.0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "ContactNodes.h"
 #include "../common/clones.h"
+#include "../common/columns.h"
 #include "../common/prefetch.h"
 #include <algorithm>
 #include <numeric>
@@ -10,6 +11,8 @@ namespace dolfinx_impact::integrators
 {
 namespace
 {
+using common::Column, common::column;
+
 /// Calls f<components, entries per node>().
 auto with_layout(const NodalFields& fields, const auto& f)
 {
@@ -58,18 +61,6 @@ struct Extremes
   }
 };
 
-/// Four consecutive numbers in memory, which need not be aligned.
-typedef double FourNumbers __attribute__((vector_size(32), may_alias, aligned(8)));
-
-IMPACT_INLINED FourNumbers& four_at(double* p)
-{
-  return *reinterpret_cast<FourNumbers*>(p);
-}
-IMPACT_INLINED const FourNumbers& four_at(const double* p)
-{
-  return *reinterpret_cast<const FourNumbers*>(p);
-}
-
 /// Values of padded nodes, which are whole registers; that of a node reaches into the next one, which is stored after
 /// it. Nodes up to the last one.
 /// @param[out] u, du, v by node; v null: not wanted
@@ -79,25 +70,25 @@ IMPACT_CLONES void gather_padded(std::span<const std::int32_t> nodes, const Noda
                                  double* work)
 {
   constexpr double infinity = enforcement::IncrementRange::infinity;
-  const FourNumbers step = {dt, dt, dt, dt};
-  FourNumbers low = {infinity, infinity, infinity, infinity}, high = -low, sum = {};
+  const Column step = {dt, dt, dt, dt};
+  Column low = {infinity, infinity, infinity, infinity}, high = -low, sum = {};
   for (std::size_t k = 0; k + 1 < nodes.size(); ++k)
   {
     prefetch<3, 4>(nodes, k, fields.u);
     prefetch<3, 4>(nodes, k, fields.v);
     const std::size_t i = std::size_t(nodes[k]) * 4;
-    const FourNumbers velocity = four_at(fields.v.data() + i), d = step * velocity;
-    four_at(u + 3 * k) = four_at(fields.u.data() + i);
-    four_at(du + 3 * k) = d;
+    const Column velocity = column(fields.v.data() + i), d = step * velocity;
+    column(u + 3 * k) = column(fields.u.data() + i);
+    column(du + 3 * k) = d;
     if (v)
-      four_at(v + 3 * k) = velocity;
+      column(v + 3 * k) = velocity;
     low = d < low ? d : low;
     high = d > high ? d : high;
-    sum += four_at(springs + 3 * k) * d;
+    sum += column(springs + 3 * k) * d;
   }
-  four_at(least) = low;
-  four_at(largest) = high;
-  four_at(work) = sum;
+  column(least) = low;
+  column(largest) = high;
+  column(work) = sum;
 }
 
 /// Subtract springs' forces from those of padded nodes, up to the last one.
@@ -105,17 +96,17 @@ IMPACT_CLONES void gather_padded(std::span<const std::int32_t> nodes, const Noda
 IMPACT_CLONES void subtract_padded(std::span<const std::int32_t> nodes, std::span<double> r, const double* springs,
                                    const double* u, const double* du, double* position, double* increment)
 {
-  FourNumbers by_position = {}, by_increment = {};
+  Column by_position = {}, by_increment = {};
   for (std::size_t k = 0; k + 1 < nodes.size(); ++k)
   {
     prefetch<3, 4>(nodes, k, r);
-    const FourNumbers next = four_at(springs + 3 * k), force = {next[0], next[1], next[2], 0.0};
-    four_at(r.data() + std::size_t(nodes[k]) * 4) -= force;
-    by_position += force * four_at(u + 3 * k);
-    by_increment += force * four_at(du + 3 * k);
+    const Column next = column(springs + 3 * k), force = {next[0], next[1], next[2], 0.0};
+    column(r.data() + std::size_t(nodes[k]) * 4) -= force;
+    by_position += force * column(u + 3 * k);
+    by_increment += force * column(du + 3 * k);
   }
-  four_at(position) = by_position;
-  four_at(increment) = by_increment;
+  column(position) = by_position;
+  column(increment) = by_increment;
 }
 } // namespace
 

@@ -58,8 +58,7 @@ struct alignas(64) ClosedInput
   double x[3][ClosedBatch::size];        ///< positions at the last time level [L]
   double xi[2][ClosedBatch::size];       ///< reference coordinates of their projections
   double orientation[ClosedBatch::size]; ///< of their facets
-  double
-      along_facet[ClosedBatch::size]; ///< 1: the normal is to become that of the facet at the last time level; 0: not
+  double along_facet[ClosedBatch::size]; ///< 1: the normal becomes that of the facet at the last time level; 0: not
 };
 
 /// Motions and works of a batch after the last sweep.
